@@ -353,6 +353,8 @@ TEST_F(BadInput, StoresAndModelsThatAreNone) {
   expect_refused({"evaluate", scratch.path().string(), "--queries", demo("sheet/queries.csv")},
                  "field.json");
   expect_refused({"play", scratch / "nothing", "--trajectory", demo("trajectory.csv")}, "nothing");
+  expect_refused({"play", scratch / "model", "--trajectory", scratch.path().string()},
+                 "is a folder");
   EXPECT_FALSE(fs::exists(scratch / "model"));
 }
 

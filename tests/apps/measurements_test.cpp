@@ -216,7 +216,7 @@ TEST_F(Measurements, OfASpreadsheetWithDecimalCommasOrOfALoggerWithoutNamesAreRe
   write_text(scratch / "c.csv", spreadsheet(contacts));
   write_text(scratch / "s.csv", spreadsheet(samples));
   EXPECT_THAT(import_csv().err,
-              AllOf(HasSubstr("c.csv: line 2, column 'z'"), HasSubstr("decimal: comma")));
+              AllOf(HasSubstr("c.csv: line 2, column 'z'"), HasSubstr("--decimal comma")));
   expect_read(import_csv({"--decimal", "comma"}));
 
   const auto nameless = [](const std::string& text) { return text.substr(text.find('\n') + 1); };

@@ -30,6 +30,7 @@ TableLayout layout_of(const AcquisitionMapping& mapping, std::string_view prefix
   TableLayout layout{.separator = mapping.separator,
                      .header = mapping.header,
                      .decimal_comma = mapping.decimal_comma,
+                     .mapped = true,
                      .first_row = first_row};
   for (const auto& [column, given] : mapping.columns) {
     const std::string name =

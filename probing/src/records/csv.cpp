@@ -112,10 +112,7 @@ bool has_thousands(std::string_view text) {
 
 // What would be right in place of a cell that is no number.
 std::string_view right_number(std::string_view cell, bool decimal_comma) {
-  if (!decimal_comma && has_decimal_comma(cell)) {
-    return "a decimal point in place of the comma; or say that numbers have a decimal comma "
-           "(decimal: comma in a mapping)";
-  }
+  if (!decimal_comma && has_decimal_comma(cell)) return "a decimal point in place of the comma";
   if (has_thousands(cell)) {
     return decimal_comma
                ? "a finite number with a decimal comma, without signs between the thousands"
@@ -136,7 +133,9 @@ bool is_like(std::string_view cell, std::string_view name) {
 }
 
 constexpr const char* kSayNoHeader =
-    "if the file has no line of names, say so (header: false in a mapping) and name its columns "
+    "if the file has no line of names, say so (--no-header, or header: false in a mapping) and "
+    "name "
+    "its columns "
     "column_1, column_2, ...";
 
 bool has_numbers_only(const std::vector<std::string_view>& cells) {
@@ -157,7 +156,9 @@ CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::str
     : path_(path), columns_(columns.begin(), columns.end()), row_number_(layout.first_row - 1) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path.string() + ": there is no such file; expected a CSV file");
+    const bool is_folder = std::filesystem::is_directory(path, error);
+    throw FileError(path.string() + (is_folder ? ": is a folder" : ": there is no such file") +
+                    "; expected a CSV file");
   }
   file_.open(path, std::ios::binary);
   if (!file_) throw FileError(path.string() + ": cannot be read");
@@ -165,6 +166,7 @@ CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::str
   separator_ = layout.separator.value_or('\0');
   header_ = layout.header;
   decimal_comma_ = layout.decimal_comma;
+  mapped_ = layout.mapped;
   if (!next_line()) {
     throw FileError(path.string() + ": the file is empty; the first line must name the columns " +
                     joined(columns));
@@ -244,7 +246,8 @@ void CsvReader::refuse_columns(const std::string& column, const std::string& nam
   if (cells_.size() == 1 && columns_.size() > 1) {
     throw FileError(place() + ": is one cell, " + shown(cells_.front()) +
                     "; it must name the columns " + joined(wanted) +
-                    ". Give the separator that is between them");
+                    (mapped_ ? ". Give the separator that is between them"
+                             : ", separated by commas, semicolons or tabs"));
   }
   const std::string whose = name != column ? " (for " + column + ")" : "";
   if (!header_) {
@@ -256,7 +259,8 @@ void CsvReader::refuse_columns(const std::string& column, const std::string& nam
   }
   if (has_numbers_only(cells_)) {
     throw MissingColumn(place() + ": there is no column '" + name + "'" + whose +
-                            ": the line holds numbers only; " + kSayNoHeader,
+                            ": the line holds numbers only; " +
+                            (mapped_ ? kSayNoHeader : "the first line must name the columns"),
                         column);
   }
   const auto like = std::find_if(cells_.begin(), cells_.end(),
@@ -313,7 +317,14 @@ double CsvReader::number(std::size_t column) const {
     std::ranges::replace(pointed, ',', '.');
     value = parse<double>(pointed);
   }
-  if (!value || !std::isfinite(*value)) refuse(column, right_number(text, decimal_comma_));
+  if (!value || !std::isfinite(*value)) {
+    std::string right(right_number(text, decimal_comma_));
+    if (mapped_ && !decimal_comma_ && has_decimal_comma(text))
+      right +=
+          "; or say that numbers have a decimal comma (--decimal comma, or decimal: comma in "
+          "a mapping)";
+    refuse(column, right);
+  }
   return sources_[column].negated ? -*value : *value;
 }
 

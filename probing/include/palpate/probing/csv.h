@@ -68,6 +68,7 @@ class CsvReader final : public TableReader {
   char separator_ = '\0';  // '\0': not known before the first line
   bool header_ = true;
   bool decimal_comma_ = false;
+  bool mapped_ = false;
   bool kept_ = false;      // the first line is a row, which `next` has still to deliver
   std::size_t width_ = 0;  // cells of the header line
   std::size_t line_ = 0;

@@ -31,6 +31,7 @@ struct TableLayout {
   std::optional<char> separator = std::nullopt;
   bool header = true;          ///< the first line of a CSV file names the columns
   bool decimal_comma = false;  ///< numbers of a CSV file are such as 1,5, without a point
+  bool mapped = false;         ///< a mapping says so; messages then tell how it can be changed
   /// The names that columns have in the file, by the names that they are asked for.
   ColumnNames names = {};
   /// The same for columns that are not in `names`, if the file has no column of that name.
