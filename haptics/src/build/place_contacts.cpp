@@ -118,20 +118,41 @@ std::string misfit(double distance, Facing facing, const BuildOptions& options) 
   return {};
 }
 
-void refuse_misfits(const BuildOptions& options, const BuildResult& result) {
+double extent(const Eigen::Matrix3Xd& points) {
+  return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
+}
+
+// What contacts that are far from the surface have to do.
+std::string what_brings_near(const std::vector<probing::Contact>& contacts,
+                             const BuildResult& result) {
+  constexpr double kOtherUnit = 50;  // units differ by 10 at least, most by 1000
+  Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(contacts.size()));
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    places.col(static_cast<Eigen::Index>(i)) = contacts[i].position;
+  const double of_contacts = extent(places), of_surface = extent(result.model.surface.vertices);
+  if (of_contacts <= kOtherUnit * of_surface && of_surface <= kOtherUnit * of_contacts) {
+    return "Check that contacts and surface belong together and are in one frame, or raise "
+           "BuildOptions::max_distance. ";
+  }
+  return "The contacts extend over " + millimetres(of_contacts) + ", the surface over " +
+         millimetres(of_surface) + ": check the units of both. ";
+}
+
+void refuse_misfits(const std::vector<probing::Contact>& contacts, const BuildOptions& options,
+                    const BuildResult& result) {
   const ContactMisfit& first = result.left_out.front();
   const std::string count = std::to_string(result.left_out.size());
   const bool far = first.reason.starts_with("is ");
   std::string message = "build_model(): contact " + std::to_string(first.id) + " " + first.reason;
   message += far ? " (registration: " + std::string(to_string(result.registration)) +
-                       "); at most " + millimetres(options.max_distance) +
-                       " are allowed. Check that contacts and surface belong together and are in "
-                       "one frame, or raise BuildOptions::max_distance. "
+                       "); at most " + millimetres(options.max_distance) + " are allowed. " +
+                       what_brings_near(contacts, result)
                  : ", those of most others point out of it; normals must point out of the object. "
                    "Correct it. ";
   message += (result.left_out.size() == 1 ? std::string("This contact does not fit the surface")
-                                          : count + " contacts do not fit the surface") +
-             "; BuildOptions::max_left_out = " + count + " leaves out as many";
+                                          : count + " contacts do not fit the surface");
+  if (2 * result.left_out.size() < contacts.size())
+    message += "; BuildOptions::max_left_out = " + count + " leaves out as many";
   throw InvalidInput(message);
 }
 
@@ -159,7 +180,7 @@ PlacedContacts place_contacts(const std::vector<probing::Contact>& contacts,
   }
   const std::size_t most = options.max_left_out ? static_cast<std::size_t>(*options.max_left_out)
                                                 : contacts.size() / probing::kContactsPerMisfit;
-  if (result.left_out.size() > most) refuse_misfits(options, result);
+  if (result.left_out.size() > most) refuse_misfits(contacts, options, result);
   if (placed.kept.size() < 3) {
     throw InvalidInput("build_model(): only " + std::to_string(placed.kept.size()) +
                        " contacts fit the surface; at least three are needed");

@@ -24,6 +24,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // The samples below are exact.
 const BuildOptions kQuick{
@@ -255,6 +256,11 @@ TEST(BuildModel, LeavesOutAsManyContactsThatDoNotFitTheSurfaceAsAllowed) {
   EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), options); }),
               AllOf(HasSubstr("2 contacts do not fit"), HasSubstr("contact 23 has a normal"),
                     HasSubstr("BuildOptions::max_left_out = 2")));
+  // Nothing is left of contacts in another unit than the surface.
+  probing::Acquisition metres = flat_acquisition();
+  for (probing::Contact& contact : metres.contacts) contact.position /= 1000;
+  EXPECT_THAT(refusal([&] { return build_model(metres, flat_surface(), kQuick); }),
+              AllOf(HasSubstr("check the units of both"), Not(HasSubstr("max_left_out"))));
   options.max_left_out = 2;
   const BuildResult result = build_model(acquisition, flat_surface(), options);
   ASSERT_EQ(result.left_out.size(), 2u);
