@@ -10,10 +10,12 @@
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -95,6 +97,16 @@ std::string to_prose(const haptics::LeaveOneOut& errors) {
   return prose;
 }
 
+haptics::QueryErrors compare_with_queries(const haptics::Model& model, const EvaluateCall& call) {
+  try {
+    return haptics::evaluate_queries(model, haptics::read_queries(call.queries),
+                                     call.query_options);
+  } catch (const InvalidInput& wrong) {
+    throw InvalidInput(
+        with_option_names(wrong.what(), {{"evaluate_queries(): ", call.queries.string() + ": "}}));
+  }
+}
+
 void evaluate(const Settings& settings, const EvaluateCall& call) {
   if (call.queries.empty() && call.acquisition.empty()) {
     throw InvalidInput(
@@ -109,8 +121,7 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
   Json figures;
   std::string prose;
   if (!call.queries.empty()) {
-    const haptics::QueryErrors errors =
-        haptics::evaluate_queries(model, haptics::read_queries(call.queries), call.query_options);
+    const haptics::QueryErrors errors = compare_with_queries(model, call);
     figures["queries"] = {{"count", errors.count},
                           {"rms", errors.rms},
                           {"median", errors.median},
@@ -153,11 +164,13 @@ void add_evaluate(CLI::App& app, const Settings& settings) {
   command
       ->add_option("--max-distance", call->query_options.max_distance,
                    "Reject queries that are farther from the surface [mm]")
+      ->check(within(at_least(0)))
       ->capture_default_str();
   command
       ->add_option("--suggestions", call->leave_one_out.suggestions,
                    "With --leave-one-out: number of positions for further contacts to suggest, "
                    "where the expected error is largest")
+      ->check(within(at_least(0)))
       ->capture_default_str();
   command->add_option("--picture", call->picture,
                       "Also draw the errors of --leave-one-out on the surface (PNG)");

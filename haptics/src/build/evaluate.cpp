@@ -264,14 +264,16 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
   const BlendedField field(model);
   std::vector<double> errors;
   StatedSums stated;
+  const auto name_of = [&](std::size_t i) {
+    return "query " + std::to_string(i + 1) + " of " + std::to_string(queries.size());
+  };
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const Query& query = queries[i];
     if (!query.contact.allFinite() || !query.displacement.allFinite() || !query.force.allFinite())
-      throw InvalidInput("evaluate_queries(): query " + std::to_string(i) +
-                         " is not finite; leave it out");
+      throw InvalidInput("evaluate_queries(): " + name_of(i) + " is not finite; leave it out");
     const double distance = field.surface().closest_point(query.contact).distance;
     if (!(distance <= options.max_distance)) {
-      throw InvalidInput("evaluate_queries(): the contact of query " + std::to_string(i) + " is " +
+      throw InvalidInput("evaluate_queries(): the contact of " + name_of(i) + " is " +
                          std::to_string(distance) + " mm from the surface; at most " +
                          std::to_string(options.max_distance) +
                          " mm are allowed. Check that queries and model are in one frame");
@@ -280,7 +282,7 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
     if (const auto deviation = field.deviation(query.contact, query.displacement))
       stated.add(errors.back(), *deviation);
     if (!std::isfinite(errors.back()))
-      throw SolverError("evaluate_queries(): the model's force at query " + std::to_string(i) +
+      throw SolverError("evaluate_queries(): the model's force at " + name_of(i) +
                         " is not finite; the model is broken");
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
