@@ -170,6 +170,18 @@ TEST_F(PlayDevice, SaysWhatADeviceNeeds) {
   EXPECT_NEAR(driver["passive_stiffness"], 5.0 / 1.5, 1e-9);
 }
 
+TEST_F(PlayDevice, RefusesAModelWithTheSurfaceOfAnotherOneAlsoWithoutADevice) {
+  const std::string smaller = *scratch / "smaller", mixed = *scratch / "mixed";
+  ASSERT_EQ(run_palpate({"transfer", *scratch / "model", "--scale", "0.1", "-o", smaller}).status,
+            kDone);
+  fs::copy(*scratch / "model", mixed, fs::copy_options::recursive);
+  fs::copy_file(smaller + "/surface.ply", mixed + "/surface.ply",
+                fs::copy_options::overwrite_existing);
+  const CommandResult result = run_palpate({"play", mixed, "--trajectory", press()});
+  EXPECT_EQ(result.status, kWrongCall);
+  EXPECT_NE(result.err.find("mixed: contact 0 lies"), std::string::npos) << result.err;
+}
+
 TEST_F(PlayDevice, RefusesCallsWithoutSense) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> calls = {
       {{}, "needs --trajectory, --device, --replay or --stability"},

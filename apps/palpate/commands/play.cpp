@@ -16,7 +16,6 @@
 #include "commands/play_options.h"
 #include "commands/play_scene.h"
 #include "palpate/error.h"
-#include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/tool_radius.h"
 #include "palpate/haptics/trajectory_csv.h"
@@ -26,6 +25,7 @@
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
 #include "shared/play_friction.h"
+#include "shared/played_model.h"
 #include "shared/step_times.h"
 
 namespace palpate::apps {
@@ -76,7 +76,7 @@ void play(const Settings& settings, const PlayCall& call) {
   check_pictures({call.picture});
   const std::vector<haptics::TrajectoryPoint> trajectory =
       haptics::read_trajectory_file(call.trajectory);
-  const haptics::Model model = haptics::read_model(call.model);
+  const haptics::Model model = playable_model(call.model);
   const std::optional<double> probe_radius = probe_radius_of(call, model);
   const std::shared_ptr<const haptics::Playback> playback_there =
       made_playback(call.model, model, call.device.friction);

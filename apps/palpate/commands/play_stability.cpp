@@ -11,12 +11,12 @@
 #include "commands/play_device.h"
 #include "palpate/error.h"
 #include "palpate/haptics/device_stability.h"
-#include "palpate/haptics/model_io.h"
+#include "shared/played_model.h"
 
 namespace palpate::apps {
 
 void play_stability(const Settings& settings, const DeviceCall& call) {
-  const haptics::Model model = haptics::read_model(call.model);
+  const haptics::Model model = playable_model(call.model);
   const haptics::ModelStiffness stiffness = haptics::model_stiffness(model, call.force);
   haptics::HandOptions hand;
   double scale = call.scale.value_or(1);
