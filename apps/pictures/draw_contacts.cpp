@@ -168,8 +168,7 @@ vtkSmartPointer<vtkActor> sphere_actor(const geometry::TriangleMesh& contacts, d
   return plain_actor(glyphs->GetOutput(), kBlack);
 }
 
-vtkSmartPointer<vtkBillboardTextActor3D> number_actor(const Eigen::Vector3d& at,
-                                                      Eigen::Index number) {
+vtkSmartPointer<vtkBillboardTextActor3D> number_actor(const Eigen::Vector3d& at, long long number) {
   auto actor = vtkSmartPointer<vtkBillboardTextActor3D>::New();
   actor->SetInput(std::to_string(number).c_str());
   actor->SetPosition(at.x(), at.y(), at.z());
@@ -187,8 +186,10 @@ vtkSmartPointer<vtkBillboardTextActor3D> number_actor(const Eigen::Vector3d& at,
 
 void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMesh& surface,
                    const Eigen::Ref<const Eigen::VectorXi>& labels,
-                   const geometry::TriangleMesh& contact_mesh, const std::string& title) {
+                   const geometry::TriangleMesh& contact_mesh, const std::vector<long long>& ids,
+                   const std::string& title) {
   check_input(surface, labels, contact_mesh);
+  check_count(static_cast<Eigen::Index>(ids.size()), contact_mesh.vertices.cols(), "ids");
   const std::string contacts = std::to_string(contact_mesh.vertices.cols()) + " contacts";
   const auto triangles = contact_mesh.triangles.cols();
   Canvas canvas(Canvas::kHeight, title,
@@ -218,7 +219,8 @@ void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMes
   view.add(edge_actor(lifted));
   view.add(sphere_actor(lifted, kContactRadius / view.px_per_mm()));
   for (Eigen::Index contact = 0; contact < count; ++contact) {
-    view.add(number_actor(lifted.vertices.col(contact) + lift, contact));
+    view.add(
+        number_actor(lifted.vertices.col(contact) + lift, ids[static_cast<std::size_t>(contact)]));
   }
   view.add_scale_bar();
   view.add_axes();

@@ -16,8 +16,9 @@ const Drawings& drawings() {
 
 void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMesh& surface,
                    const Eigen::Ref<const Eigen::VectorXi>& labels,
-                   const geometry::TriangleMesh& contact_mesh, const std::string& title) {
-  drawings().contacts(png, surface, labels, contact_mesh, title);
+                   const geometry::TriangleMesh& contact_mesh, const std::vector<long long>& ids,
+                   const std::string& title) {
+  drawings().contacts(png, surface, labels, contact_mesh, ids, title);
 }
 
 void draw_deviation(const std::filesystem::path& png, const geometry::ImageF& sigma,

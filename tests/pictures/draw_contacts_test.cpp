@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "picture_test_utils.h"
@@ -16,6 +17,7 @@ struct Scene {
   geometry::TriangleMesh surface = make_square({-50, -50, 700}, 100, 20);
   Eigen::VectorXi labels;
   geometry::TriangleMesh contacts;
+  std::vector<long long> ids = {0, 1, 2};
 
   Scene() {
     labels = (surface.vertices.row(0).array() > 0).cast<int>().transpose();
@@ -30,7 +32,7 @@ struct Scene {
 
 cv::Mat3b contacts_picture(const Scene& scene) {
   return draw_picture([&](const std::filesystem::path& png) {
-    draw_contacts(png, scene.surface, scene.labels, scene.contacts, "Contacts");
+    draw_contacts(png, scene.surface, scene.labels, scene.contacts, scene.ids, "Contacts");
   });
 }
 
@@ -105,10 +107,29 @@ TEST(DrawContacts, HidesWhatIsBehind) {
   EXPECT_GT(cv::countNonZero(front), 80000);
 }
 
+TEST(DrawContacts, NumbersContactsByTheirIds) {
+  Scene scene;
+  const cv::Mat3b before = contacts_picture(scene);
+  scene.ids[1] = 47;
+  const cv::Mat3b after = contacts_picture(scene);
+  int left = before.cols, right = 0, top = before.rows, bottom = 0;
+  for (int y = 0; y < before.rows; ++y) {
+    for (int x = 0; x < before.cols; ++x) {
+      if (before(y, x) == after(y, x)) continue;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+  }
+  // Nothing but this number has changed.
+  ASSERT_LT(left, right);
+  EXPECT_LT(right - left, 30);
+  EXPECT_LT(bottom - top, 20);
+}
+
 TEST(DrawContacts, RefusesInputThatDoesNotFit) {
   Scene scene;
   const auto attempt = [&scene](const std::filesystem::path& png) {
-    draw_contacts(png, scene.surface, scene.labels, scene.contacts, "");
+    draw_contacts(png, scene.surface, scene.labels, scene.contacts, scene.ids, "");
   };
   scene.labels(7) = 3;
   expect_refused(attempt, "labels: vertex 7 has 3");
@@ -132,14 +153,14 @@ TEST(DrawContacts, RefusesInputThatDoesNotFit) {
 TEST(DrawContacts, GivesTheSameBytesAgain) {
   expect_same_again([](const std::filesystem::path& png) {
     const Scene scene;
-    draw_contacts(png, scene.surface, scene.labels, scene.contacts, "Again");
+    draw_contacts(png, scene.surface, scene.labels, scene.contacts, scene.ids, "Again");
   });
 }
 
 TEST(DrawContacts, SaysWhenItCannotWrite) {
   expect_unwritable([](const std::filesystem::path& png) {
     const Scene scene;
-    draw_contacts(png, scene.surface, scene.labels, scene.contacts, "");
+    draw_contacts(png, scene.surface, scene.labels, scene.contacts, scene.ids, "");
   });
 }
 

@@ -38,14 +38,16 @@ void draw_plan(const fs::path& png, const geometry::TriangleMesh& mesh,
                const probing::ContactPlan& plan) {
   const geometry::SurfaceQuery query(mesh);
   std::vector<geometry::SurfacePoint> sources;
+  std::vector<long long> ids;
   geometry::TriangleMesh contacts;
   contacts.vertices.resize(3, static_cast<Eigen::Index>(plan.contacts.size()));
   for (std::size_t i = 0; i < plan.contacts.size(); ++i) {
     sources.push_back(query.closest_point(plan.contacts[i].position).at);
     contacts.vertices.col(static_cast<Eigen::Index>(i)) = plan.contacts[i].position;
+    ids.push_back(plan.contacts[i].id);
   }
   pictures::draw_contacts(png, mesh, geometry::geodesic_distance(mesh, sources).label, contacts,
-                          "Plan of contacts");
+                          ids, "Plan of contacts");
 }
 
 void report_plan(const Settings& settings, const PlanCall& call, const probing::ContactPlan& plan) {

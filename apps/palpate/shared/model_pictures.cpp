@@ -34,7 +34,10 @@ void draw_model_contacts(const fs::path& png, const haptics::Model& model,
   // Each vertex belongs to the contact with the largest weight there.
   const geometry::TriangleMesh contacts = haptics::contact_mesh(model);
   const geometry::SurfaceWeights weights = haptics::vertex_weights(model);
-  pictures::draw_contacts(png, model.surface, weights.contacts.row(0).transpose(), contacts, title);
+  std::vector<long long> ids;
+  for (const haptics::ContactModel& contact : model.contacts) ids.push_back(contact.id);
+  pictures::draw_contacts(png, model.surface, weights.contacts.row(0).transpose(), contacts, ids,
+                          title);
 }
 
 void draw_contact_field(const fs::path& png, const haptics::Model& model,
