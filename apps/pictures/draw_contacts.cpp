@@ -201,7 +201,7 @@ void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMes
   const Eigen::Matrix3Xd& seen = clean.vertices;
   Eigen::Matrix3Xd all(3, seen.cols() + contact_mesh.vertices.cols());
   all << seen, contact_mesh.vertices;
-  SurfaceView view(canvas, {0, 0, Canvas::kWidth, canvas.top()}, camera_side(), all);
+  SurfaceView view(canvas, {0, 0, Canvas::kWidth, canvas.top()}, outer_side(clean), all);
 
   const int count = static_cast<int>(contact_mesh.vertices.cols());
   const std::vector<int> colors =

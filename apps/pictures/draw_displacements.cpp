@@ -95,7 +95,7 @@ void draw_displacements(const std::filesystem::path& png, const geometry::Triang
   const double diagonal = (seen.rowwise().maxCoeff() - seen.rowwise().minCoeff()).norm();
   Eigen::Matrix3Xd all(3, seen.cols() + contacts.cols());
   all << seen, contacts;
-  SurfaceView view(canvas, {0, 0, Canvas::kWidth, canvas.top()}, camera_side(), all);
+  SurfaceView view(canvas, {0, 0, Canvas::kWidth, canvas.top()}, outer_side(clean), all);
   view.add(matt_surface(to_poly_data(clean)));
 
   const double mm_per_mm = kLargestCircle * typical_distance(contacts, diagonal) / known.maxCoeff();

@@ -55,7 +55,7 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   Canvas canvas(Canvas::kHeight, picture.title, picture.subtitle);
   const geometry::TriangleMesh clean = without_strays(mesh);
   const double width = Canvas::kWidth - kScaleRoom;
-  SurfaceView view(canvas, {0, 0, width, canvas.top()}, camera_side(), clean.vertices);
+  SurfaceView view(canvas, {0, 0, width, canvas.top()}, outer_side(clean), clean.vertices);
   const vtkSmartPointer<vtkPolyData> surface = to_poly_data(clean);
   surface->GetCellData()->SetScalars(colors_of(distances, low, picture.limit, map));
   const vtkSmartPointer<vtkActor> actor = matt_surface(surface);

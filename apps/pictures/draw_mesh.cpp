@@ -46,7 +46,7 @@ void draw_mesh(const std::filesystem::path& png, const geometry::TriangleMesh& m
       subtitle += "; not shown: what is farther than " + format_value(*background, 1) + " mm";
   }
   Canvas canvas(Canvas::kHeight, title, subtitle);
-  SurfaceView view(canvas, {0, 0, Canvas::kWidth, canvas.top()}, camera_side(), clean.vertices);
+  SurfaceView view(canvas, {0, 0, Canvas::kWidth, canvas.top()}, outer_side(clean), clean.vertices);
   view.add(matt_surface(to_poly_data(clean)));
   view.add_scale_bar();
   view.add_axes();

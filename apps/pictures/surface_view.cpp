@@ -52,14 +52,29 @@ void add_light(vtkRenderer* panel, const Eigen::Vector3d& from, double intensity
   panel->AddLight(light);
 }
 
+/// Whether the mean normal points to Z, not counting the rounding of closed surfaces.
+bool faces_z(const geometry::TriangleMesh& mesh) {
+  constexpr double kLeast = 0.01;  // of a unit normal
+  double along = 0, area = 0;
+  for (const auto& triangle : mesh.triangles.colwise()) {
+    const Eigen::Vector3d corner = mesh.vertices.col(triangle[0]);
+    const Eigen::Vector3d normal =
+        (mesh.vertices.col(triangle[1]) - corner).cross(mesh.vertices.col(triangle[2]) - corner);
+    along += normal.z();
+    area += normal.norm();
+  }
+  return along > kLeast * area;
+}
+
 }  // namespace
 
-ViewAxes camera_side() {
+ViewAxes outer_side(const geometry::TriangleMesh& mesh) {
   const Eigen::Vector3d towards(std::sin(kTurn) * std::cos(kRise), -std::sin(kRise),
                                 -std::cos(kTurn) * std::cos(kRise));
   const Eigen::Vector3d right = (-Eigen::Vector3d::UnitY()).cross(towards).normalized();
   ViewAxes axes;
   axes << right.transpose(), towards.cross(right).transpose(), towards.transpose();
+  if (faces_z(mesh)) axes.rightCols<2>() *= -1;  // half a turn about X
   return axes;
 }
 

@@ -20,8 +20,9 @@ namespace palpate::pictures {
 using ViewAxes = Eigen::Matrix3d;
 
 /// View of a camera at the origin (X right, Y down, Z away), rotated slightly to the side and
-/// upwards to show relief.
-[[nodiscard]] ViewAxes camera_side();
+/// upwards to show relief. A surface that faces Z on the whole, such as one measured with Z up, is
+/// seen from its other side, with Y up.
+[[nodiscard]] ViewAxes outer_side(const geometry::TriangleMesh& mesh);
 
 /// A panel with a 3-D scene in parallel projection, so that one scale bar is valid everywhere.
 class SurfaceView {

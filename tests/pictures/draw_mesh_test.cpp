@@ -59,6 +59,15 @@ TEST(DrawMesh, ShowsXToTheRightAndYDown) {
   EXPECT_LT(upper_left.y(), 0.45 * kMeshScene.height);
 }
 
+TEST(DrawMesh, ShowsASurfaceThatFacesZFromThereWithYUp) {
+  geometry::TriangleMesh mesh =
+      join(make_square({-120, -90, 700}, 80, 4), make_square({110, 80, 700}, 10, 1));
+  mesh.triangles.row(1).swap(mesh.triangles.row(2));
+  const Eigen::Vector2d lower_left = center_of(shape_of(mesh_picture(mesh)));
+  EXPECT_LT(lower_left.x(), 0.4 * kMeshScene.width);
+  EXPECT_GT(lower_left.y(), 0.55 * kMeshScene.height);
+}
+
 TEST(DrawMesh, LeavesRoomForBarAndAxes) {
   // As high as the view permits.
   geometry::TriangleMesh tall = make_square({-50, -50, 700}, 100, 4);
@@ -104,8 +113,8 @@ TEST(DrawMesh, ShadesByDirection) {
       740, 700, 740, 740, 700, 740;
   roof.triangles.resize(3, 4);
   roof.triangles << 0, 3, 1, 4,  //
-      3, 4, 4, 5,                //
-      1, 1, 2, 2;
+      1, 1, 2, 2,                //
+      3, 4, 4, 5;
   const cv::Mat3b picture = mesh_picture(roof);
   const Rgb upper = pixel(picture, 600, 300);
   const Rgb lower = pixel(picture, 600, 700);

@@ -138,8 +138,8 @@ geometry::TriangleMesh make_square(const Eigen::Vector3d& corner, double size, i
       const int vertex = row * (cells + 1) + col;
       mesh.vertices.col(vertex) = corner + size / cells * Eigen::Vector3d(col, row, 0);
       if (row < cells && col < cells) {
-        mesh.triangles.col(next++) << vertex, vertex + 1, vertex + cells + 1;
-        mesh.triangles.col(next++) << vertex + 1, vertex + cells + 2, vertex + cells + 1;
+        mesh.triangles.col(next++) << vertex, vertex + cells + 1, vertex + 1;
+        mesh.triangles.col(next++) << vertex + 1, vertex + cells + 1, vertex + cells + 2;
       }
     }
   }
