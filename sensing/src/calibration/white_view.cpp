@@ -16,8 +16,6 @@ namespace {
 /// Regions of the phase grow through pixels with at most this variance [rad^2] and steps [rad], as
 /// in the decoder.
 constexpr FloodLimits kRegionLimits{0.01, 1.5};
-/// Reach of the demodulation's average along the rows [px].
-constexpr long kSmoothedColumns = 2;
 /// This share of a cell's pixels must be reliable.
 constexpr double kLeastReliableShare = 0.75;
 
@@ -127,7 +125,11 @@ WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier,
   std::vector<Demodulated>& signals = demodulation.channels;
   WhiteView view;
   view.cell_size = 2 * filter.radius + 1;
-  view.reliable = shrunk(lit * unsaturated(channels), filter.radius, kSmoothedColumns);
+  // Windows and the averages along the rows reach so far.
+  const auto away_from_border = [&](const Mask& mask) {
+    return shrunk(mask, filter.radius, filter.width() / 2);
+  };
+  view.reliable = away_from_border(lit * unsaturated(channels));
   for (const Demodulated& signal : signals) view.reliable *= modulated(signal, pattern, options);
   view.green = std::move(signals[0]);
   view.others = {std::move(signals[1]), std::move(signals[2])};
@@ -139,8 +141,7 @@ WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier,
   Regions regions;
   grow_regions(wrapped, variance, kRegionLimits, buffers, regions);
   // A window at a border of its region mixes the phases of both sides.
-  view.reliable *=
-      shrunk((regions.label >= 0).cast<std::uint8_t>(), filter.radius, kSmoothedColumns);
+  view.reliable *= away_from_border((regions.label >= 0).cast<std::uint8_t>());
   view.regions = regions.count;
   for (long top = 0; top + view.cell_size <= view.reliable.rows(); top += view.cell_size) {
     for (long left = 0; left + view.cell_size <= view.reliable.cols(); left += view.cell_size) {
