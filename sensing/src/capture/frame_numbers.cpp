@@ -27,7 +27,8 @@ double upper_median(std::vector<double> values) {
 std::uint64_t NumbersByCounter::next(std::uint64_t counter) {
   if (any_) {
     const bool is_later = counter > last_counter_;
-    const bool is_round = !is_later && last_counter_ <= kRound && counter + kRound > last_counter_;
+    const bool is_round =
+        counter < last_counter_ && last_counter_ <= kRound && counter + kRound > last_counter_;
     number_ += is_later ? counter - last_counter_ : is_round ? counter + kRound - last_counter_ : 1;
   }
   any_ = true;

@@ -24,6 +24,9 @@ TEST(NumbersByCounter, GoOnWhereACounterOfSixteenBitsBeginsAgain) {
   NumbersByCounter with_loss;
   EXPECT_EQ(with_loss.next(65535), 0U);
   EXPECT_EQ(with_loss.next(3), 3U);
+  NumbersByCounter with_zero;
+  EXPECT_EQ(with_zero.next(65535), 0U);
+  EXPECT_EQ(with_zero.next(0), 1U);
 }
 
 TEST(NumbersByCounter, LongCountersNeverBeginAgain) {
@@ -31,6 +34,11 @@ TEST(NumbersByCounter, LongCountersNeverBeginAgain) {
   EXPECT_EQ(numbers.next(65535), 0U);
   EXPECT_EQ(numbers.next(65536), 1U);
   EXPECT_EQ(numbers.next(1), 2U);  // the camera began anew: what is missing is not known
+}
+
+TEST(NumbersByCounter, ACounterThatStandsStillLosesNothing) {
+  NumbersByCounter numbers;  // of a driver that gives every frame the number 0
+  for (std::uint64_t i = 0; i < 3; ++i) EXPECT_EQ(numbers.next(0), i);
 }
 
 TEST(NumbersByTime, AnIntervalOfThreeUsualOnesLosesTwoFrames) {
