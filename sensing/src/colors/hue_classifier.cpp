@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "image/hue.h"
@@ -35,26 +34,33 @@ const TrainedColor& find_color(const TrainedColors& trained, const std::string& 
 
 }  // namespace
 
+std::vector<HueSpread> trained_hues(const Pattern& pattern, const TrainedColors& trained) {
+  std::vector<HueSpread> hues;
+  for (const PatternColor& color : pattern.colors) {
+    const TrainedColor& found = find_color(trained, color.name);
+    hues.push_back({found.mean, std::max(std::sqrt(found.variance), kLeastSurfaceDeviation)});
+  }
+  return hues;
+}
+
 HueClassifier::HueClassifier(const Pattern& pattern, const TrainedColors& trained)
     : colors_(static_cast<int>(pattern.colors.size())),
       padded_((colors_ + kGroup - 1) / kGroup * kGroup) {
-  const auto count = static_cast<std::size_t>(colors_);
+  const std::vector<HueSpread> hues = trained_hues(pattern, trained);
   const auto padded = static_cast<std::size_t>(padded_);
   table_.resize(kSteps * padded);
-  std::vector<double> exponent(count);
+  std::vector<double> exponent(hues.size());
   for (std::size_t step = 0; step < kSteps; ++step) {
-    const double hue = 2 * std::numbers::pi * (static_cast<double>(step) + 0.5) / kSteps;
-    for (std::size_t i = 0; i < count; ++i) {
-      const TrainedColor& color = find_color(trained, pattern.colors[i].name);
-      const double deviation = std::max(std::sqrt(color.variance), kLeastSurfaceDeviation);
-      const double distance = wrap(hue - color.mean) / deviation;
-      exponent[i] = -0.5 * distance * distance - std::log(deviation);
-    }
+    const double hue = kFullTurn * (static_cast<double>(step) + 0.5) / kSteps;
+    std::transform(hues.begin(), hues.end(), exponent.begin(), [&](const HueSpread& color) {
+      const double distance = wrap(hue - color.mean) / color.deviation;
+      return -0.5 * distance * distance - std::log(color.deviation);
+    });
     // Relative to the largest, so that hues far from all colours do not cause 0 / 0.
     const auto largest = std::max_element(exponent.begin(), exponent.end());
     double sum = 0;
     for (const double e : exponent) sum += std::exp(e - *largest);
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < exponent.size(); ++i) {
       table_[step * padded + i] = static_cast<float>(std::exp(exponent[i] - *largest) / sum);
     }
     best_.push_back(static_cast<int>(largest - exponent.begin()));

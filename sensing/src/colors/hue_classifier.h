@@ -10,6 +10,16 @@
 
 namespace palpate::sensing {
 
+/// The hues of a colour of the pattern, as trained.
+struct HueSpread {
+  double mean = 0;       ///< [rad]
+  double deviation = 0;  ///< [rad], at least 0.06: surfaces have their own colours
+};
+/// One per colour of the pattern, in its order.
+/// \throws InvalidInput if a colour of the pattern was not trained, or its hues are not finite.
+[[nodiscard]] std::vector<HueSpread> trained_hues(const Pattern& pattern,
+                                                  const TrainedColors& trained);
+
 /// Bayesian classifier of hues with one Gaussian per colour (thesis 3.3.2, Eq. 3.4 with sigma^2 the
 /// variance).
 class HueClassifier {
@@ -20,7 +30,7 @@ class HueClassifier {
   /// The probabilities of a hue are padded with zeros to a multiple of this.
   static constexpr int kGroup = 8;
 
-  /// \throws InvalidInput if a colour of the pattern was not trained.
+  /// \throws InvalidInput as `trained_hues` does.
   HueClassifier(const Pattern& pattern, const TrainedColors& trained);
 
   [[nodiscard]] int colors() const { return colors_; }

@@ -20,10 +20,8 @@ constexpr long kHueLines = 40;
 /// Distance from an edge at which its sides have their own hue [px].
 constexpr long kSide = 4;
 
-/// A hue is that of a trained colour iff it is within so many of its deviations, and these count as
-/// at least kLeastDeviation [rad] as in the classifier.
+/// A hue is that of a trained colour iff it is within so many of its deviations.
 constexpr double kReach = 3;
-constexpr double kLeastDeviation = 0.06;
 
 /// The colours of a pattern are closer than this to each other's channels exchanged, or the
 /// exchange explains nothing (distance of red, green and blue).
@@ -69,16 +67,14 @@ std::vector<int> recolored(const Pattern& pattern, Recolor recolor) {
 }
 
 /// Mean cosine of the angle between trained hues and the pattern's own.
-double hue_fit(const Pattern& pattern, const TrainedColors& colors) {
+double hue_fit(const std::vector<PatternColor>& colors, const std::vector<HueSpread>& trained) {
   double sum = 0;
-  for (const PatternColor& color : pattern.colors) {
-    const Eigen::Vector3f rgb = color.rgb.cast<float>();
-    for (const TrainedColor& trained : colors.colors) {
-      if (trained.name != color.name) continue;
-      sum += std::cos(trained.mean - static_cast<double>(hue_of(rgb.x(), rgb.y(), rgb.z()).angle));
-    }
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const Eigen::Vector3f rgb = colors[i].rgb.cast<float>();
+    const auto own = static_cast<double>(hue_of(rgb.x(), rgb.y(), rgb.z()).angle);
+    sum += std::cos(trained[i].mean - own);
   }
-  return sum / static_cast<double>(pattern.colors.size());
+  return sum / static_cast<double>(colors.size());
 }
 
 /// Distance by which a stripe edge moves in the image if its depth changes by that of a period.
@@ -117,17 +113,12 @@ double turns_apart(const Regions& regions, const PhaseGuess& guess) {
 EvidenceFinder::EvidenceFinder(const DecoderGeometry& model, const TrainedColors& colors)
     : stripes_(model.pattern().stripes),
       by_colors_(model.pattern()),
-      colors_fit_(hue_fit(model.pattern(), colors) >= kFittingHues),
       period_px_(period_in_pixels(model)) {
   const Pattern& pattern = model.pattern();
-  for (const PatternColor& color : pattern.colors) {
-    for (const TrainedColor& trained : colors.colors) {
-      if (trained.name != color.name) continue;
-      const double deviation = std::max(std::sqrt(trained.variance), kLeastDeviation);
-      hues_.push_back({static_cast<float>(trained.mean), static_cast<float>(kReach * deviation)});
-      break;
-    }
-  }
+  const std::vector<HueSpread> trained = trained_hues(pattern, colors);
+  colors_fit_ = hue_fit(pattern.colors, trained) >= kFittingHues;
+  for (const HueSpread& hue : trained)
+    hues_.push_back({static_cast<float>(hue.mean), static_cast<float>(kReach * hue.deviation)});
   for (std::size_t step = 0; step < trained_.size(); ++step) {
     const auto hue = static_cast<float>(kFullTurn * (static_cast<double>(step) + 0.5) /
                                         static_cast<double>(trained_.size()));
