@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <span>
 #include <vector>
 
 #include "image/hot_loop.h"
@@ -21,11 +21,9 @@ constexpr double kDeviationPerMedian = 1.4826;
 /// Approximate number of samples, spaced by the reach of the averaging along the rows; pixels in
 /// between have almost the same noise.
 constexpr long kSamples = 4000;
-/// Number of groups of similar brightness, and smallest number of samples in one.
-constexpr std::size_t kBrightnessGroups = 8;
-constexpr std::size_t kLeastSamples = 50;
 /// The residual of a few pixels scatters: up to this many medians it counts as noise.
 constexpr float kUsualResidual = 2;
+
 struct NoiseSample {
   float light = 0;
   float quadrature = 0;  ///< absolute value
@@ -58,54 +56,6 @@ void add_samples(const PhaseSignal& signal, long row, long spacing,
     samples.push_back({total_light(signal, row, column), std::abs(amplitude * difference),
                        signal.residual(row, column)});
   }
-}
-
-template <typename Value>
-double median(std::vector<NoiseSample>::iterator first, std::vector<NoiseSample>::iterator last,
-              Value value) {
-  const auto middle = first + (last - first) / 2;
-  std::nth_element(first, middle, last,
-                   [&](const NoiseSample& a, const NoiseSample& b) { return value(a) < value(b); });
-  return static_cast<double>(value(*middle));
-}
-
-/// Values of groups as a function of their light.
-struct Points {
-  std::vector<double> light;
-  std::vector<double> value;
-};
-
-/// Least squares of the relative deviations; a term that would become negative is left out.
-LinearInLight fit_line(const Points& points) {
-  double n = 0;
-  double constants = 0;
-  double products = 0;
-  double slopes = 0;
-  double right_constant = 0;
-  double right_slope = 0;
-  for (std::size_t i = 0; i < points.value.size(); ++i) {
-    if (!(points.value[i] > 0)) continue;
-    const double a = 1 / points.value[i];
-    const double b = points.light[i] / points.value[i];
-    n += 1;
-    constants += a * a;
-    products += a * b;
-    slopes += b * b;
-    right_constant += a;
-    right_slope += b;
-  }
-  if (n == 0) return {};
-  const double determinant = constants * slopes - products * products;
-  /// If the product of the two diagonal elements is below this share, all groups are equally
-  /// bright.
-  constexpr double kLeastDeterminant = 1e-6;
-  if (determinant > kLeastDeterminant * constants * slopes) {
-    const LinearInLight line{(slopes * right_constant - products * right_slope) / determinant,
-                             (constants * right_slope - products * right_constant) / determinant};
-    if (line.constant >= 0 && line.slope >= 0) return line;
-    if (line.constant < 0) return {0, right_slope / slopes};
-  }
-  return {right_constant / constants, 0};
 }
 
 struct Coefficients {
@@ -155,23 +105,15 @@ FrameNoise estimate_noise(const PhaseSignal& signal, const DemodulationFilter& f
   std::vector<NoiseSample> samples;
   samples.reserve(static_cast<std::size_t>(2 * kSamples));
   for (long row = step / 2; row < rows; row += step) add_samples(signal, row, spacing, samples);
-  std::sort(samples.begin(), samples.end(),
-            [](const NoiseSample& a, const NoiseSample& b) { return a.light < b.light; });
-  const std::size_t groups = std::min(kBrightnessGroups, samples.size() / kLeastSamples);
-  Points quadrature;
-  Points residual;
-  for (std::size_t group = 0; group < groups; ++group) {
-    const auto first = samples.begin() + static_cast<long>(group * samples.size() / groups);
-    const auto last = samples.begin() + static_cast<long>((group + 1) * samples.size() / groups);
-    const double light = static_cast<double>((first + (last - first) / 2)->light);
-    quadrature.light.push_back(light);
-    residual.light.push_back(light);
-    residual.value.push_back(median(first, last, [](const NoiseSample& s) { return s.residual; }));
-    const double deviation = kDeviationPerMedian *
-                             median(first, last, [](const NoiseSample& s) { return s.quadrature; });
-    quadrature.value.push_back(deviation * deviation / kDifferenceVariance);
+  const std::size_t count = std::min(kLightGroups, samples.size() / kLeastInGroup);
+  std::vector<LightGroup> quadrature, residual;
+  for (const std::span<NoiseSample> group : light_groups(samples, count)) {
+    const auto light = static_cast<double>(group[group.size() / 2].light);
+    residual.push_back({light, median_of(group, &NoiseSample::residual)});
+    const double deviation = kDeviationPerMedian * median_of(group, &NoiseSample::quadrature);
+    quadrature.push_back({light, deviation * deviation / kDifferenceVariance});
   }
-  return {fit_line(quadrature), fit_line(residual)};
+  return {fit_light(quadrature), fit_light(residual)};
 }
 
 void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,

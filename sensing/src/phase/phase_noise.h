@@ -3,14 +3,9 @@
 #pragma once
 
 #include "phase/chromatic.h"
+#include "phase/light_groups.h"
 
 namespace palpate::sensing {
-
-/// A linear function of the light: constant + slope * mean, both >= 0.
-struct LinearInLight {
-  double constant = 0;
-  double slope = 0;
-};
 
 /// Noise of a frame, estimated from the frame itself.
 struct FrameNoise {

@@ -6,15 +6,13 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <span>
 
 #include "image/hue.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr std::size_t kLightGroups = 8;
-/// Smallest number of samples in a group.
-constexpr std::size_t kGroupSize = 50;
 /// Sum of the squared binomial coefficients 1 4 6 4 1.
 constexpr double kFourthDifference = 70;
 /// Pixels between those of a difference: beyond the reach of demosaicing.
@@ -36,51 +34,19 @@ double median_of_chi2(int freedom) {
   return std::pow(1 - 2 / (9 * k), 3);
 }
 
-struct LightGroup {
-  double light;
-  double variance;
-};
-
-/// Least squares of the relative deviations, without negative terms.
-LinearInLight fit_groups(const std::vector<LightGroup>& groups) {
-  double n = 0, a = 0, aa = 0, ab = 0, b = 0, bb = 0;
-  for (const LightGroup& group : groups) {
-    if (!(group.variance > 0)) continue;
-    const double one = 1 / group.variance;
-    const double light = group.light / group.variance;
-    n += 1, a += one, aa += one * one, ab += one * light, b += light, bb += light * light;
-  }
-  if (n == 0) return {};
-  const double determinant = aa * bb - ab * ab;
-  /// Below this share of the product of the diagonal all groups are equally bright.
-  constexpr double kLeastDeterminant = 1e-6;
-  if (determinant > kLeastDeterminant * aa * bb) {
-    const LinearInLight line{(bb * a - ab * b) / determinant, (aa * b - ab * a) / determinant};
-    if (line.constant >= 0 && line.slope >= 0) return line;
-    if (line.constant < 0) return {0, b / bb};
-  }
-  return {a / aa, 0};
-}
-
 }  // namespace
 
 LinearInLight variance_of_light(std::vector<VarianceSample> samples, int freedom) {
-  std::sort(samples.begin(), samples.end(),
-            [](const VarianceSample& a, const VarianceSample& b) { return a.light < b.light; });
+  if (samples.empty()) return {};
   const std::size_t count =
-      std::min(kLightGroups, std::max<std::size_t>(samples.size() / kGroupSize, 1));
+      std::clamp(samples.size() / kLeastInGroup, std::size_t{1}, kLightGroups);
   std::vector<LightGroup> groups;
-  for (std::size_t group = 0; group < count && !samples.empty(); ++group) {
-    const auto first = samples.begin() + static_cast<long>(group * samples.size() / count);
-    const auto last = samples.begin() + static_cast<long>((group + 1) * samples.size() / count);
-    const auto middle = first + (last - first) / 2;
-    const double light = static_cast<double>(middle->light);
-    std::nth_element(first, middle, last, [](const VarianceSample& a, const VarianceSample& b) {
-      return a.variance < b.variance;
-    });
-    groups.push_back({light, static_cast<double>(middle->variance) / median_of_chi2(freedom)});
+  for (const std::span<VarianceSample> group : light_groups(samples, count)) {
+    const auto light = static_cast<double>(group[group.size() / 2].light);
+    groups.push_back(
+        {light, median_of(group, &VarianceSample::variance) / median_of_chi2(freedom)});
   }
-  return fit_groups(groups);
+  return fit_light(groups);
 }
 
 std::vector<VarianceSample> samples_between_pixels(const ShiftedChannel& channel,

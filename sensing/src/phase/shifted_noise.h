@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "phase/phase_noise.h"
+#include "phase/chromatic.h"
+#include "phase/light_groups.h"
 #include "phase/shifted_phase.h"
 
 namespace palpate::sensing {
