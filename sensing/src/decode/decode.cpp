@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,9 +62,7 @@ constexpr int kLeastAnchoredCore = 50;
 constexpr double kAnchoredSigma = 0.15;
 
 /// Half the width of a trough of the sinusoid, including its flanks [px].
-int trough_radius(const Carrier& carrier) {
-  return (static_cast<int>(2 * std::numbers::pi / std::abs(carrier.along)) + 1) / 2;
-}
+int trough_radius(const Carrier& carrier) { return (static_cast<int>(carrier.period()) + 1) / 2; }
 
 /// Assigns to each pixel the entry of its label.
 PALPATE_HOT_LOOP void add_entries(const int* label, const float* in, const float* to_add,
@@ -340,7 +337,7 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
   const Pattern& pattern = model.pattern();
   const PixelOfPhase pixels{.along = model.carrier().along,
                             .offset = pattern.phase,
-                            .per_pixel = 2 * std::numbers::pi / pattern.period};
+                            .per_pixel = kFullTurn / pattern.period};
   add_chromatic_error(
       work.combined.shares,
       remaining_error(work.demodulated.channels, work.model(model).chromatic(), work.phase, pixels),

@@ -61,7 +61,7 @@ Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
   if (!half) return rig;
   check_rig(rig, "rig");
   check_pattern(pattern, "pattern");
-  const double period = std::numbers::pi / std::abs(expected_carrier(rig, pattern).along);
+  const double period = expected_carrier(rig, pattern).period() / 2;
   if (period < kLeastHalfPeriod) {
     throw InvalidInput(
         "DecodeOptions: half_resolution: a period of the sinusoid would have about " +

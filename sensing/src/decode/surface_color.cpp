@@ -75,11 +75,9 @@ LightPlaces light_places(const geometry::RangeMap& range, const Rig& rig, const 
       }
     }
   }
-  places.period = kFullTurn / std::abs(expected_carrier(rig, pattern).along);
-  const double stripe_px =
-      edges.size() < 2 ? pattern.period
-                       : (edges.back() - edges.front()) / static_cast<double>(edges.size() - 1);
-  places.stripe = places.period * stripe_px / pattern.period;
+  const Carrier carrier = expected_carrier(rig, pattern);
+  places.period = carrier.period();
+  places.stripe = stripe_width(carrier, pattern);
   return places;
 }
 

@@ -163,7 +163,8 @@ std::vector<long> region_sizes(const Regions& regions) {
 }  // namespace
 
 TintedSurfaces::TintedSurfaces(const DecoderGeometry& model, const HueClassifier& classifier)
-    : stripes_(model.pattern(), kTintMargin) {
+    : stripes_(model.pattern(), kTintMargin),
+      stripe_px_(stripe_width(model.carrier(), model.pattern())) {
   const Pattern& pattern = model.pattern();
   for (const PatternColor& color : pattern.colors) {
     Channels channels;
@@ -191,12 +192,6 @@ TintedSurfaces::TintedSurfaces(const DecoderGeometry& model, const HueClassifier
     }
     hues_.push_back(of_best);
   }
-  const double period_px = 2 * std::numbers::pi / std::abs(model.carrier().along);
-  const auto& edges = pattern.stripe_edges;
-  const double width = edges.size() > 1
-                           ? (edges.back() - edges.front()) / static_cast<double>(edges.size() - 1)
-                           : pattern.period;
-  stripe_px_ = width * period_px / pattern.period;
 }
 
 std::vector<std::uint8_t> TintedSurfaces::open_regions(

@@ -128,9 +128,8 @@ DemodulationFilter make_filter(double carrier, double periods) {
     total += (k == 0 ? 1 : 2) * weights.back();
   }
   for (const double weight : weights) filter.weight.push_back(static_cast<float>(weight / total));
-  const double period = 2 * std::numbers::pi / std::abs(carrier);
   DemodulationFilter wider = filter;
-  for (++wider.averages; wider.width() <= period; ++wider.averages)
+  for (++wider.averages; wider.width() <= filter.period(); ++wider.averages)
     filter.averages = wider.averages;
   return filter;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "image/image_plane.h"
@@ -17,6 +19,8 @@ struct DemodulationFilter {
   /// Number of binomial averages along the rows; each doubles the pixel spacing of the one before.
   int averages = 1;
 
+  /// Of the carrier [px].
+  [[nodiscard]] double period() const { return 2 * std::numbers::pi / std::abs(carrier); }
   /// Number of pixels of a row that the averages cover.
   [[nodiscard]] int width() const { return 4 * ((1 << averages) - 1) + 1; }
   /// [px^2] Variances of the weights along the rows and down the window: binomial means of five

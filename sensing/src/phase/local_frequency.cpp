@@ -167,7 +167,7 @@ Polynomials coefficients(const LocalFrequency::Polynomial& polynomial) {
 }  // namespace
 
 LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
-    : reach_(static_cast<int>(std::lround(std::numbers::pi / std::abs(filter.carrier)))),
+    : reach_(static_cast<int>(std::lround(filter.period() / 2))),
       carrier_(filter.carrier),
       averages_(filter.averages) {
   constexpr int kNodes = 8 * kDegree;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "image/hot_loop.h"
@@ -128,9 +127,8 @@ void unmix_window(const PhaseSignal& signal, const DemodulationFilter& filter, P
 }  // namespace
 
 long mixing_reach(const DemodulationFilter& filter) {
-  const double period = 2 * std::numbers::pi / std::abs(filter.carrier);
-  const double periods = std::max(1.0, std::round((2 * filter.radius + 1) / period));
-  return std::lround(periods * period);
+  const double periods = std::max(1.0, std::round((2 * filter.radius + 1) / filter.period()));
+  return std::lround(periods * filter.period());
 }
 
 void unmix_neighbours(const PhaseSignal& signal, const DemodulationFilter& filter, Plane& wrapped,

@@ -3,7 +3,6 @@
 #include "phase/texture_error.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "image/hot_loop.h"
 
@@ -37,7 +36,7 @@ PALPATE_HOT_LOOP void raise_row(const float* bend, const float* re, const float*
 
 void add_texture_error(const std::vector<Demodulated>& channels, const Combined& sum,
                        const DemodulationFilter& filter, Plane& sigma) {
-  const long period = std::lround(2 * std::numbers::pi / std::abs(filter.carrier));
+  const long period = std::lround(filter.period());
   const long columns = sigma.cols();
   Eigen::ArrayXf bend(columns);
   for (long row = period; row + period < sigma.rows(); ++row) {

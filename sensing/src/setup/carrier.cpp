@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "palpate/error.h"
 #include "setup/triangulation.h"
@@ -17,7 +18,7 @@ constexpr double kLeastPeriod = 2;
 
 /// Rejects a sinusoid of which the camera sees no full period, or cannot resolve the periods.
 void check_period(const Carrier& carrier, const Pattern& pattern, const geometry::Camera& camera) {
-  const double period = 2 * std::numbers::pi / std::abs(carrier.along);
+  const double period = carrier.period();
   const int length = carrier.transposed ? camera.width : camera.height;
   if (period >= kLeastPeriod && period <= length) return;
   throw InvalidInput("pattern: period_px: " + std::to_string(pattern.period) +
@@ -73,6 +74,14 @@ Carrier expected_carrier(const Rig& rig, const Pattern& pattern) {
                         .stripes_reversed = (transposed ? stripes.y() : stripes.x()) < 0};
   check_period(carrier, pattern, rig.camera);
   return carrier;
+}
+
+double stripe_width(const Carrier& carrier, const Pattern& pattern) {
+  const std::vector<double>& edges = pattern.stripe_edges;
+  const double on_panel =
+      edges.size() < 2 ? pattern.period
+                       : (edges.back() - edges.front()) / static_cast<double>(edges.size() - 1);
+  return on_panel * carrier.period() / pattern.period;
 }
 
 }  // namespace palpate::sensing

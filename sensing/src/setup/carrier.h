@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <numbers>
 
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
@@ -23,6 +25,9 @@ struct Carrier {
   double across = 0;  ///< [rad/px] in the other direction; |across| <= |along|
   double z = 0;       ///< depth at which this holds
   bool stripes_reversed = false;  ///< the stripes follow each other from right to left
+
+  /// Of the sinusoid, in the working image [px].
+  [[nodiscard]] double period() const { return 2 * std::numbers::pi / std::abs(along); }
 };
 
 /// Predicts the carrier for surfaces facing the camera, averaged over the camera's image and over
@@ -30,5 +35,8 @@ struct Carrier {
 /// \throws InvalidInput if there is no such depth, or if the sinusoid's period is shorter than two
 /// camera pixels or longer than the image.
 [[nodiscard]] Carrier expected_carrier(const Rig& rig, const Pattern& pattern);
+
+/// Mean width of a stripe in the working image [px]; a period if the pattern has fewer than three.
+[[nodiscard]] double stripe_width(const Carrier& carrier, const Pattern& pattern);
 
 }  // namespace palpate::sensing
