@@ -11,6 +11,7 @@
 
 #include "calibration/found_board.h"
 #include "calibration/lit_grid.h"
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "palpate/sensing/gray_code.h"
@@ -29,8 +30,7 @@ void check_board(const Board& board) {
 }
 
 cv::Mat as_gray8(const cv::Mat& image) {
-  if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U) ||
-      (image.channels() != 1 && image.channels() != 3)) {
+  if (!is_frame(image)) {
     throw InvalidInput("find_board: an image of 8 or 16 bit with 1 or 3 channels is expected");
   }
   cv::Mat gray = image;
@@ -44,8 +44,8 @@ cv::Mat as_gray8(const cv::Mat& image) {
 cv::Mat_<float> mean_image(const std::vector<cv::Mat>& images) {
   cv::Mat_<float> sum(images[0].size(), 0.0F);
   for (const cv::Mat& image : images) cv::accumulate(image, sum);
-  const double full_scale = images[0].depth() == CV_8U ? 1 : 257;
-  sum /= full_scale * static_cast<double>(images.size());
+  const double per_level = images[0].depth() == CV_8U ? 1 : 257;
+  sum /= per_level * static_cast<double>(images.size());
   return sum;
 }
 

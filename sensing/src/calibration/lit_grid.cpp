@@ -12,6 +12,7 @@
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "image/image_plane.h"
 #include "palpate/geometry/median.h"
 
 namespace palpate::sensing {
@@ -47,9 +48,9 @@ cv::Mat_<uchar> even_pixels(const std::vector<cv::Mat>& images, const cv::Mat_<u
   cv::Mat_<float> least, most;
   cv::erode(smooth, least, around);
   cv::dilate(smooth, most, around);
-  const double full_scale = white.depth() == CV_8U ? 255 : 65535;
   cv::Mat_<uchar> even;
-  cv::Mat((least > kLeastEvenness * most) & (white < full_scale) & (on_board != 0)).copyTo(even);
+  cv::Mat((least > kLeastEvenness * most) & (white < full_scale(white)) & (on_board != 0))
+      .copyTo(even);
   return even;
 }
 

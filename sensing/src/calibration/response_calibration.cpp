@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
 #include "palpate/require.h"
@@ -40,8 +41,7 @@ std::vector<GreyImage> sorted_and_checked(std::vector<GreyImage> ramp,
   for (const GreyImage& grey : ramp) {
     const cv::Mat& image = grey.image;
     require("calibrate_response: " + grey.name + ": the level", grey.level, at_least(0).at_most(1));
-    if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U) ||
-        (image.channels() != 1 && image.channels() != 3)) {
+    if (!is_frame(image)) {
       fail(grey.name + ": an image of 8 or 16 bit with 1 or 3 channels is expected");
     }
     if (image.size() != ramp[0].image.size() || image.type() != ramp[0].image.type())
@@ -67,7 +67,7 @@ Channel extract_channel(const std::vector<GreyImage>& ramp, int index) {
   for (const GreyImage& grey : ramp) {
     cv::Mat plane;
     cv::extractChannel(grey.image, plane, index);
-    plane.convertTo(plane, CV_32F, plane.depth() == CV_8U ? 1.0 / 255 : 1.0 / 65535);
+    plane.convertTo(plane, CV_32F, 1 / full_scale(plane));
     channel.levels.push_back(grey.level);
     channel.names.push_back(grey.name);
     channel.images.emplace_back(plane);

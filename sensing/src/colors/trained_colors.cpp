@@ -32,9 +32,8 @@ void check_options(const TrainingOptions& options) {
 }
 
 void collect_hues(const cv::Mat& image, const TrainingOptions& options, std::vector<float>& hues) {
-  const float full_scale = image.depth() == CV_8U ? 255.0F : 65535.0F;
   cv::Mat_<cv::Vec3f> bgr;
-  image.convertTo(bgr, CV_32F, 1.0 / static_cast<double>(full_scale));
+  image.convertTo(bgr, CV_32F, 1 / full_scale(image));
   for (const cv::Vec3f& pixel : bgr) {
     const float value = std::max({pixel[0], pixel[1], pixel[2]});
     // A channel at full scale is clipped, so the ratio of the channels no longer gives the hue.

@@ -53,9 +53,7 @@ std::vector<cv::Mat> checked(std::span<const cv::Mat> images, int expected,
                          std::to_string(image.rows) + " px, the rig's camera has " +
                          std::to_string(camera.width) + " x " + std::to_string(camera.height));
     }
-    const bool known = (image.depth() == CV_8U || image.depth() == CV_16U) &&
-                       (image.channels() == 1 || image.channels() == 3);
-    if (!known || image.type() != type) {
+    if (!is_frame(image) || image.type() != type) {
       throw InvalidInput(name +
                          "is not of 8 or 16 bit with 1 or 3 channels, or not of the type of "
                          "the first one");
@@ -155,10 +153,9 @@ double jumps_per_turn(const Plane& phase, double along) {
 
 /// Mean of the sinusoids of the first exposure where there is a depth.
 cv::Mat mean_color(std::span<const cv::Mat> sinusoids, const Plane& z) {
-  const double full = sinusoids[0].depth() == CV_8U ? 255 : 65535;
   cv::Mat sum(sinusoids[0].size(), CV_MAKETYPE(CV_32F, sinusoids[0].channels()), cv::Scalar());
   for (const cv::Mat& image : sinusoids) cv::add(sum, image, sum, cv::noArray(), CV_32F);
-  sum *= 1 / (full * static_cast<double>(sinusoids.size()));
+  sum *= 1 / (full_scale(sinusoids[0]) * static_cast<double>(sinusoids.size()));
   for (int row = 0; row < sum.rows; ++row) {
     for (int column = 0; column < sum.cols; ++column) {
       if (z(row, column) > 0) continue;

@@ -11,6 +11,7 @@
 
 #include "image/gaussian_blur.h"
 #include "image/hue.h"
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "setup/carrier.h"
 #include "setup/triangulation.h"
@@ -210,9 +211,7 @@ cv::Mat surface_color(const cv::Mat& frame, const geometry::RangeMap& range, con
                       const Pattern& pattern) {
   check_rig(rig, "rig");
   check_pattern(pattern, "pattern");
-  const bool known = (frame.depth() == CV_8U || frame.depth() == CV_16U) &&
-                     (frame.channels() == 1 || frame.channels() == 3);
-  if (!known || frame.cols != rig.camera.width || frame.rows != rig.camera.height ||
+  if (!is_frame(frame) || frame.cols != rig.camera.width || frame.rows != rig.camera.height ||
       range.z.cols() != frame.cols || range.z.rows() != frame.rows) {
     throw InvalidInput(
         "surface_color(): frame and range map must have the size of the rig's camera, and the "
@@ -220,7 +219,7 @@ cv::Mat surface_color(const cv::Mat& frame, const geometry::RangeMap& range, con
   }
   const LightPlaces places = light_places(range, rig, pattern, frame.channels());
   cv::Mat linear;
-  frame.convertTo(linear, CV_32F, frame.depth() == CV_8U ? 1.0 / 255 : 1.0 / 65535);
+  frame.convertTo(linear, CV_32F, 1 / full_scale(frame));
   std::vector<cv::Mat> split;
   cv::split(linear, split);
   std::vector<Gray> channels;

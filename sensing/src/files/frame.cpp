@@ -10,6 +10,7 @@
 #include "files/image_format.h"
 #include "files/png_image.h"
 #include "files/storage_file.h"
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
 #include "palpate/output_file.h"
@@ -83,9 +84,7 @@ bool has_losses(const std::filesystem::path& path) {
 }
 
 void write_png(const std::filesystem::path& path, const cv::Mat& image) {
-  const bool known = image.dims == 2 && (image.depth() == CV_8U || image.depth() == CV_16U) &&
-                     (image.channels() == 1 || image.channels() == 3);
-  if (!known || image.empty()) {
+  if (!is_frame(image)) {
     throw InvalidInput("write_png(" + path.string() +
                        "): an image of 8 or 16 bit with 1 or 3 channels is expected");
   }

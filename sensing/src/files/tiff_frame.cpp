@@ -10,6 +10,7 @@
 #include <string>
 #include <type_traits>
 
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 
@@ -93,9 +94,7 @@ std::string tiff_start(const cv::Mat& image) {
 }  // namespace
 
 void write_tiff(const std::filesystem::path& path, const cv::Mat& image) {
-  const bool known = image.dims == 2 && (image.depth() == CV_8U || image.depth() == CV_16U) &&
-                     (image.channels() == 1 || image.channels() == 3);
-  if (!known || image.empty()) {
+  if (!is_frame(image)) {
     throw InvalidInput("write_tiff(" + path.string() +
                        "): an image of 8 or 16 bit with 1 or 3 channels is expected");
   }

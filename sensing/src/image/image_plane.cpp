@@ -92,10 +92,15 @@ PALPATE_HOT_LOOP void add_clipped(const float* values, std::uint8_t* clipped, lo
 
 }  // namespace
 
+bool is_frame(const cv::Mat& image) {
+  return image.dims == 2 && !image.empty() && (image.depth() == CV_8U || image.depth() == CV_16U) &&
+         (image.channels() == 1 || image.channels() == 3);
+}
+
+double full_scale(const cv::Mat& frame) { return frame.depth() == CV_8U ? 255 : 65535; }
+
 void split_frame(const cv::Mat& frame, bool transposed, std::vector<Plane>& out) {
-  const bool known = frame.dims == 2 && (frame.depth() == CV_8U || frame.depth() == CV_16U) &&
-                     (frame.channels() == 1 || frame.channels() == 3);
-  if (!known || frame.empty()) {
+  if (!is_frame(frame)) {
     throw InvalidInput("frame: a frame of 8 or 16 bit with 1 or 3 channels is expected");
   }
   cv::Mat oriented = frame;

@@ -125,8 +125,7 @@ cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const I
   const cv::Mat_<int> y_codes = read_codes(images, 2 * static_cast<std::size_t>(x_bits), y_bits);
   cv::Mat_<float> contrast;
   cv::subtract(images[images.size() - 2], images.back(), contrast, cv::noArray(), CV_32F);
-  const double full_scale = images[0].depth() == CV_8U ? 255 : 65535;
-  const auto least = static_cast<float>(options.min_contrast * full_scale);
+  const auto least = static_cast<float>(options.min_contrast * full_scale(images[0]));
 
   cv::Mat_<cv::Vec2f> places(images[0].size(), cv::Vec2f(kUnknown, kUnknown));
   long lit = 0;

@@ -14,6 +14,7 @@
 #include <optional>
 #include <vector>
 
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/require.h"
@@ -53,7 +54,7 @@ cv::Mat_<float> brightest_channel(const cv::Mat& frame) {
     if (means[i] > means[best]) best = i;
   cv::Mat plane;
   cv::extractChannel(frame, plane, best);
-  plane.convertTo(plane, CV_32F, frame.depth() == CV_8U ? 1.0 / 255 : 1.0 / 65535);
+  plane.convertTo(plane, CV_32F, 1 / full_scale(frame));
   return plane;
 }
 
@@ -269,8 +270,7 @@ double phase_wave(const HarmonicCheck& check, const std::vector<Place>& places) 
 }
 
 void check_input(const cv::Mat& frame, const HarmonicOptions& options) {
-  if (frame.empty() || (frame.depth() != CV_8U && frame.depth() != CV_16U) ||
-      (frame.channels() != 1 && frame.channels() != 3)) {
+  if (!is_frame(frame)) {
     throw InvalidInput("check_harmonics: a frame of 8 or 16 bit with 1 or 3 channels is expected");
   }
   require("HarmonicOptions::min_modulation", options.min_modulation, above(0).below(1));

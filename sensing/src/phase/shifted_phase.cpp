@@ -136,13 +136,12 @@ ShiftFit make_shift_fit(const std::vector<double>& shifts) {
 std::vector<Mask> clipped_places(std::span<const cv::Mat> images) {
   cv::Mat brightest = images[0].clone();
   for (const cv::Mat& image : images.subspan(1)) cv::max(brightest, image, brightest);
-  const double top = brightest.depth() == CV_8U ? 255 : 65535;
   std::vector<Mask> clipped;
   for (int plane = 0; plane < brightest.channels(); ++plane) {
     cv::Mat channel;
     cv::extractChannel(brightest, channel,
                        channel_of_plane(static_cast<std::size_t>(plane), brightest.channels()));
-    cv::Mat at_top = channel >= top;
+    cv::Mat at_top = channel >= full_scale(brightest);
     if (brightest.channels() == 3) cv::dilate(at_top, at_top, cv::Mat());
     Mask mask(at_top.rows, at_top.cols);
     for (int row = 0; row < at_top.rows; ++row) {
