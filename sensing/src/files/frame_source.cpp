@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "files/video_file.h"
-#include "image/hot_pixels.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "palpate/sensing/decodable.h"
 #include "palpate/sensing/frame.h"
 
 namespace palpate::sensing {
@@ -40,14 +40,10 @@ cv::Mat first_channel(const cv::Mat& image) {
   return channels[0];
 }
 
-cv::Mat finished(const cv::Mat& image, const FrameSourceOptions& options) {
-  return options.bayer ? demosaic(without_hot_pixels(image), *options.bayer) : image;
-}
-
 cv::Mat read_image(const fs::path& file, const FrameSourceOptions& options) {
   const cv::Mat image = read_frame(file);
   try {
-    return finished(image, options);
+    return decodable(image, options.bayer);
   } catch (const InvalidInput& error) {
     throw FileError(file.string() + ": " + error.what());
   }
@@ -126,7 +122,7 @@ std::optional<SourceFrame> FrameSource::Impl::next_of_video() {
   ++in_video;
   frame.read = [image, options = options, name = path.string() + place] {
     try {
-      return finished(options.bayer ? first_channel(image) : image, options);
+      return decodable(options.bayer ? first_channel(image) : image, options.bayer);
     } catch (const InvalidInput& error) {
       throw FileError(name + ": " + error.what());
     }
