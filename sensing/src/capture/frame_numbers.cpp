@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/frame_numbers.h"
 
-#include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "palpate/geometry/median.h"
 
 namespace palpate::sensing {
 namespace {
@@ -15,12 +15,6 @@ constexpr std::uint64_t kRound = 65535;
 /// Intervals from which the usual one is taken, and how many are needed for that.
 constexpr std::size_t kIntervals = 15;
 constexpr std::size_t kLeastIntervals = 3;
-
-double upper_median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -40,7 +34,7 @@ std::uint64_t NumbersByTime::next(double time) {
   if (any_) {
     const double interval = time - last_time_;
     const bool known = intervals_.size() >= kLeastIntervals;
-    const double usual = known       ? upper_median({intervals_.begin(), intervals_.end()})
+    const double usual = known ? geometry::median<double>({intervals_.begin(), intervals_.end()})
                          : rate_ > 0 ? 1 / rate_
                                      : interval;
     const double steps = usual > 0 ? std::round(interval / usual) : 1;

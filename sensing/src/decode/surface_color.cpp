@@ -7,12 +7,14 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 #include "image/gaussian_blur.h"
 #include "image/hue.h"
 #include "image/image_plane.h"
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
 #include "setup/carrier.h"
 #include "setup/triangulation.h"
 
@@ -166,9 +168,7 @@ float leakage(const Gray& value, const Gray& share, const Gray& fill) {
     }
   }
   if (ratios.empty()) return 0;
-  const auto middle = ratios.begin() + static_cast<long>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return std::min(*middle, kLitShare);
+  return std::min(geometry::median(std::move(ratios)), kLitShare);
 }
 
 /// Least squares of values = light * brightness * color over the channels, by alternation: color

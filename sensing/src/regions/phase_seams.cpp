@@ -10,6 +10,7 @@
 
 #include "image/hot_loop.h"
 #include "image/hue.h"
+#include "palpate/geometry/median.h"
 
 namespace palpate::sensing {
 namespace {
@@ -125,10 +126,7 @@ std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& l
 /// Result of the crossings from one region to solved ones; empty if there are too few.
 std::optional<RegionOffset> judge(const std::vector<double>& turns, double min_agreement) {
   if (turns.size() < kLeastCrossings) return std::nullopt;
-  std::vector<double> sorted = turns;
-  const auto middle = sorted.begin() + static_cast<long>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double whole = std::round(*middle);
+  const double whole = std::round(geometry::median(turns));
   double agreeing = 0;
   double elsewhere = 0;
   double lean = 0;
