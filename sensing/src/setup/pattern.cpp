@@ -201,9 +201,7 @@ Multishot read_multishot(const StorageFile& file, const YAML::Node& node) {
   };
   Multishot shots;
   shots.shifts = file.numbers(file.child(node, "shifts", place), place + "shifts");
-  shots.code_bits = static_cast<int>(
-      std::min(file.whole_number(file.child(node, "code_bits", place), place + "code_bits"),
-               kMostCodeBits + 1));
+  shots.code_bits = file.whole_number(file.child(node, "code_bits", place), place + "code_bits");
   shots.code_cell = number("code_cell_px");
   if (file.find(node, "code_start_px").IsDefined()) shots.code_start = number("code_start_px");
   return shots;
@@ -228,7 +226,7 @@ Pattern read_pattern(const std::filesystem::path& path) {
   if (const YAML::Node node = file.find(root, "stripes")) {
     for (const YAML::Node& item : file.items(node, "stripes")) {
       const std::string key = at("stripes", pattern.stripes.size());
-      pattern.stripes.push_back(static_cast<int>(file.whole_number(item, key)));
+      pattern.stripes.push_back(file.whole_number(item, key));
     }
   }
   if (const YAML::Node node = file.find(root, "stripe_edges_px")) {
@@ -244,9 +242,8 @@ Pattern read_pattern(const std::filesystem::path& path) {
   if (const YAML::Node node = file.find(root, "projector_size")) {
     const auto sizes = file.items(node, "projector_size");
     if (sizes.size() != 2) file.fail("projector_size", "columns and rows are expected");
-    pattern.projector_size =
-        Eigen::Vector2i(static_cast<int>(file.whole_number(sizes[0], "projector_size[0]")),
-                        static_cast<int>(file.whole_number(sizes[1], "projector_size[1]")));
+    pattern.projector_size = Eigen::Vector2i(file.whole_number(sizes[0], "projector_size[0]"),
+                                             file.whole_number(sizes[1], "projector_size[1]"));
   }
   if (const YAML::Node node = file.find(root, "multishot"))
     pattern.multishot = read_multishot(file, node);

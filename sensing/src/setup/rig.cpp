@@ -56,8 +56,8 @@ geometry::Camera read_lens(const StorageFile& file, const std::string& name) {
   const std::string size_key = name + "_size";
   const auto size = file.items(file.child(file.root(), size_key), size_key);
   if (size.size() != 2) file.fail(size_key, "width and height are expected");
-  camera.width = static_cast<int>(file.whole_number(size[0], size_key));
-  camera.height = static_cast<int>(file.whole_number(size[1], size_key));
+  camera.width = file.whole_number(size[0], size_key);
+  camera.height = file.whole_number(size[1], size_key);
   if (camera.width <= 0 || camera.height <= 0) file.fail(size_key, "must be positive");
   const std::string matrix_key = name + "_matrix";
   const cv::Mat_<double> matrix = file.matrix(matrix_key);

@@ -102,7 +102,7 @@ VirtualSensor read_virtual_sensor(const std::filesystem::path& path) {
     const YAML::Node node = file.find(root, name);
     if (!node) return;
     if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, int>) {
-      value = static_cast<int>(file.whole_number(node, name));
+      value = file.whole_number(node, name);
     } else {
       value = file.number(node, name);
     }
