@@ -47,6 +47,10 @@ constexpr double kUnlikeSteps = 2.5;
 constexpr double kAlike = 0.8;
 constexpr double kSmooth = 0.7;
 
+/// `part` of `all`; 0 of nothing.
+double share(double part, long all) { return part / static_cast<double>(std::max(all, 1L)); }
+double share(long part, long all) { return share(static_cast<double>(part), all); }
+
 /// What a swap in the trained colours, or in the frames, would look like.
 DecodeJudgement swapped(const char* channels, const DecodeEvidence& evidence, double agreement) {
   return {
@@ -97,14 +101,13 @@ DecodeJudgement explanation_of(const DecodeEvidence& evidence, FrameExplanation 
 
 /// Agreement if the sinusoid were shifted everywhere alike.
 double agreement_of_shift(const DecodeEvidence& evidence) {
-  return std::hypot(evidence.agreement, evidence.shift) /
-         static_cast<double>(std::max(evidence.edges, 1L));
+  return share(std::hypot(evidence.agreement, evidence.shift), evidence.edges);
 }
 
 /// The explanation that fits best, if it is likely.
 std::optional<DecodeJudgement> explain(const DecodeEvidence& evidence) {
   const auto best = std::max_element(evidence.explained.begin(), evidence.explained.end());
-  const double with_it = *best / static_cast<double>(std::max(evidence.explained_edges, 1L));
+  const double with_it = share(*best, evidence.explained_edges);
   if (with_it < kLikely || with_it <= agreement_of_shift(evidence)) return std::nullopt;
   return explanation_of(evidence, static_cast<FrameExplanation>(best - evidence.explained.begin()),
                         with_it);
@@ -112,8 +115,7 @@ std::optional<DecodeJudgement> explain(const DecodeEvidence& evidence) {
 
 /// What makes the phases differ if no simple exchange does.
 DecodeJudgement judge_shift(const DecodeEvidence& evidence) {
-  const double smooth =
-      evidence.smoothness / static_cast<double>(std::max(evidence.neighbours, 1L));
+  const double smooth = share(evidence.smoothness, evidence.neighbours);
   const double turns = std::atan2(evidence.shift, evidence.agreement) / (2 * std::numbers::pi);
   if (agreement_of_shift(evidence) >= kAlike) {
     return {DecodeVerdict::shifted_sinusoid,
@@ -142,11 +144,12 @@ bool has_wrong_rows(const DecodeEvidence& evidence) {
 
 std::string few_edges(const DecodeEvidence& evidence) {
   if (evidence.lit == 0) return "too little to judge by: no lit stripes";
-  if (static_cast<double>(evidence.hues) < kLeastSinusoid * static_cast<double>(evidence.lit)) {
+  const double with_sinusoid = share(evidence.hues, evidence.lit);
+  if (with_sinusoid < kLeastSinusoid) {
     return fmt::format(
         "too little to judge by: only {:.0f} % of the lit pixels show the sinusoid; is "
         "it out of focus, or has the pattern another period or axis?",
-        100 * static_cast<double>(evidence.hues) / static_cast<double>(evidence.lit));
+        100 * with_sinusoid);
   }
   return fmt::format(
       "too little to judge by: {} readings of {} different stripe edges; {} of {} "
@@ -180,16 +183,14 @@ DecodeEvidence& DecodeEvidence::operator+=(const DecodeEvidence& other) {
 }
 
 DecodeJudgement judge(const DecodeEvidence& evidence) {
-  if (evidence.lit >= kLeastHues &&
-      evidence.edges +
-          evidence.off_panel<kLeastEdges&& static_cast<double>(evidence.across)> kMostAcross *
-              static_cast<double>(evidence.lit)) {
+  const long edges = evidence.edges + evidence.off_panel;
+  const double across = share(evidence.across, evidence.lit);
+  if (evidence.lit >= kLeastHues && edges < kLeastEdges && across > kMostAcross) {
     return {DecodeVerdict::wrong_pattern,
-            fmt::format(
-                "the sinusoid runs along the other axis of the image: {:.0f} % of the lit "
-                "pixels show it there. The pattern has another axis, or the frames are "
-                "turned by 90 degrees",
-                100 * static_cast<double>(evidence.across) / static_cast<double>(evidence.lit))};
+            fmt::format("the sinusoid runs along the other axis of the image: {:.0f} % of the lit "
+                        "pixels show it there. The pattern has another axis, or the frames are "
+                        "turned by 90 degrees",
+                        100 * across)};
   }
   if (evidence.hues >= kLeastHues && has_wrong_rows(evidence)) {
     return {DecodeVerdict::wrong_rows,
@@ -198,15 +199,13 @@ DecodeJudgement judge(const DecodeEvidence& evidence) {
   }
   const auto [least, most] = std::minmax_element(evidence.light.begin(), evidence.light.end());
   const bool colored = *most > kColored * *least;
-  const auto hues = static_cast<double>(evidence.hues);
-  if (evidence.hues >= kLeastHues && !colored &&
-      static_cast<double>(evidence.trained_hues) < kLeastTrainedHues * hues) {
+  const double trained = share(evidence.trained_hues, evidence.hues);
+  if (evidence.hues >= kLeastHues && !colored && trained < kLeastTrainedHues) {
     return {DecodeVerdict::wrong_colors,
             fmt::format("only {:.0f} % of the hues are those of a trained colour: the trained "
                         "colours seem to be those of another camera or projector; train them again",
-                        100 * static_cast<double>(evidence.trained_hues) / hues)};
+                        100 * trained)};
   }
-  const long edges = evidence.edges + evidence.off_panel;
   if (edges < kLeastEdges ||
       (evidence.edges >= evidence.off_panel && evidence.stripe_edges < kLeastStripeEdges)) {
     return {DecodeVerdict::too_little, few_edges(evidence)};
@@ -217,13 +216,12 @@ DecodeJudgement judge(const DecodeEvidence& evidence) {
                         "blue is {:.1f} times as bright as another)",
                         *most / std::max(*least, 1e-3 * *most))};
   }
-  const double agreement = evidence.agreement / static_cast<double>(edges);
+  const double agreement = share(evidence.agreement, edges);
   if (agreement < kLeastAgreement) {
     const auto explanation = explain(evidence);
     return explanation ? *explanation : judge_shift(evidence);
   }
-  if (static_cast<double>(evidence.displaced_edges) >
-      kMostDisplaced * static_cast<double>(evidence.steady_edges)) {
+  if (share(evidence.displaced_edges, evidence.steady_edges) > kMostDisplaced) {
     return judge_shift(evidence);
   }
   return {DecodeVerdict::accepted,
