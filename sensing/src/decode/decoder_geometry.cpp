@@ -10,6 +10,7 @@
 
 #include "image/hot_loop.h"
 #include "image/hue.h"
+#include "image/reasons.h"
 
 namespace palpate::sensing {
 namespace {
@@ -170,7 +171,7 @@ void DecoderGeometry::find_other_pixels(int axis, const std::vector<AxisPixel>& 
                      .columns = static_cast<long>(count)},
                     constants);
     for (std::size_t i = 0; i < count; ++i) {
-      if (reason[i] != static_cast<int>(Reason::reconstructed)) pixels[start + i] = kUnknown;
+      if (reason[i] != code(Reason::reconstructed)) pixels[start + i] = kUnknown;
     }
   }
 }

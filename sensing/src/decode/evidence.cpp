@@ -8,6 +8,7 @@
 
 #include "decode/light_evidence.h"
 #include "image/hue.h"
+#include "image/reasons.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {
@@ -165,7 +166,7 @@ std::vector<Transition> EvidenceFinder::trusted_edges(const Workspace& work) con
     const int label = work.regions.label(edge.row, before);
     if (label < 0 || label != work.regions.label(edge.row, before + 1)) continue;
     // Blur mixes the colours of two surfaces and displaces the edge.
-    if (work.reasons(edge.row, column) == static_cast<std::uint8_t>(Reason::border)) continue;
+    if (work.reasons(edge.row, column) == code(Reason::border)) continue;
     const auto at = static_cast<std::size_t>(edge.edge);
     const float left = work.hue(edge.row, column - kSide);
     const float right = work.hue(edge.row, column + kSide);

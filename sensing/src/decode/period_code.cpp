@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decode/period_code.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "image/hue.h"
@@ -27,19 +26,18 @@ PeriodCode::PeriodCode(const Pattern& pattern) {
 }
 
 std::optional<double> PeriodCode::absolute(double wrapped, const CodeReading& reading) const {
-  double best = 0;
+  std::optional<double> best;
   double least = limit_;
   const auto attempt = [&](unsigned code) {
     const double middle = first_ + cell_ * number_of_gray_code(code);
     const double phase = wrapped + kFullTurn * std::round((middle - wrapped) / kFullTurn);
-    if (!(std::abs(phase - middle) <= least)) return;
+    if (!(std::abs(phase - middle) < least)) return;
     least = std::abs(phase - middle);
     best = phase;
   };
   attempt(reading.code);
   if (reading.margin < kUncertainBit) attempt(reading.code ^ (1U << reading.weakest));
-  // The first attempt leaves `least` as it is only if it was refused, or exactly at the limit.
-  return least < limit_ ? std::optional(best) : std::nullopt;
+  return best;
 }
 
 }  // namespace palpate::sensing

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "palpate/sensing/pattern.h"
@@ -11,8 +12,9 @@ namespace palpate::sensing {
 /// The bits of the code that a pixel shows.
 struct CodeReading {
   unsigned code = 0;
-  int weakest = 0;      ///< the bit nearest to the threshold between dark and bright
-  float margin = 1e9F;  ///< its distance from there, relative to the sinusoid's amplitude
+  int weakest = 0;  ///< the bit nearest to the threshold between dark and bright
+  /// Its distance from there, relative to the sinusoid's amplitude.
+  float margin = std::numeric_limits<float>::infinity();
 
   /// Adds the next lower bit.
   /// \param bits number of bits that are still lower

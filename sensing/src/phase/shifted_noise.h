@@ -16,8 +16,9 @@ namespace palpate::sensing {
 [[nodiscard]] LinearInLight variance_of_light(std::vector<VarianceSample> samples, int freedom);
 
 /// Samples for three steps, whose fit leaves nothing: fourth differences of the phase along the
-/// rows, each with one degree of freedom. `carrier` [rad/px] is the expected difference between
-/// neighbours in a row.
+/// rows, each with one degree of freedom.
+/// \param unit_variance of B cos phi and of B sin phi if the values have variance one.
+/// \param least_amplitude B [fraction of full scale] from which on pixels are used.
 [[nodiscard]] std::vector<VarianceSample> samples_between_pixels(const ShiftedChannel& channel,
                                                                  double unit_variance,
                                                                  float least_amplitude);

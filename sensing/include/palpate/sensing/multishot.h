@@ -14,7 +14,7 @@ namespace palpate::sensing {
 
 struct MultishotOptions {
   /// Number of times that the images of the pattern are shown, each time with another exposure of
-  /// the camera; >= 1. A pixel uses the exposures in which it is nowhere clipped.
+  /// the camera; in [1, 100]. A pixel uses the exposures in which it is nowhere clipped.
   int exposures = 1;
   /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.01;
