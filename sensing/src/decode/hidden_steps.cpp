@@ -29,13 +29,11 @@ struct Start {
   int turns = 0;  ///< to be added to the phase for that of the other surface
 };
 
-/// Squared amplitude of the strongest channel.
+/// Squared half amplitude of the strongest channel.
 float largest_power(const std::vector<Demodulated>& channels, long row, long column) {
   float largest = 0;
-  for (const Demodulated& channel : channels) {
-    const float re = channel.re(row, column), im = channel.im(row, column);
-    largest = std::max(largest, re * re + im * im);
-  }
+  for (const Demodulated& channel : channels)
+    largest = std::max(largest, channel.power(row, column));
   return largest;
 }
 

@@ -137,9 +137,8 @@ void add_light(const Workspace& work, DecodeEvidence& evidence) {
     for (long column = 0; column < work.modulated.cols(); ++column) {
       if (work.modulated(row, column) == 0) continue;
       for (std::size_t channel = 0; channel < kOrder.size(); ++channel) {
-        const Demodulated& one = green_red_blue[kOrder[channel]];
-        const float re = one.re(row, column), im = one.im(row, column);
-        evidence.light[channel] += static_cast<double>(std::sqrt(re * re + im * im));
+        const float power = green_red_blue[kOrder[channel]].power(row, column);
+        evidence.light[channel] += static_cast<double>(std::sqrt(power));
       }
     }
   }

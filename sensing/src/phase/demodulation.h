@@ -40,6 +40,11 @@ struct Demodulated {
   Plane re;
   Plane im;
   Plane mean;
+
+  /// Square of half the amplitude at a pixel.
+  [[nodiscard]] float power(long row, long column) const {
+    return re(row, column) * re(row, column) + im(row, column) * im(row, column);
+  }
 };
 
 struct Demodulation {

@@ -20,12 +20,6 @@ constexpr float kLeastPart = 0.015F;
 /// The others' part if a surface reflects hardly more than one channel.
 constexpr float kOthersPart = 0.1F;
 
-float modulation_power(const Demodulated& channel, long row, long column) {
-  const float re = channel.re(row, column);
-  const float im = channel.im(row, column);
-  return re * re + im * im;
-}
-
 }  // namespace
 
 LargestModulation::LargestModulation(long rows, long columns, double across)
@@ -41,7 +35,7 @@ std::size_t LargestModulation::block_of(long row, long column) const {
 void LargestModulation::add(long row, long column, const std::vector<Demodulated>& channels) {
   Powers& block = blocks_[block_of(row, column)];
   for (std::size_t c = 0; c < kColorChannels; ++c) {
-    block[c] = std::max(block[c], modulation_power(channels[c], row, column));
+    block[c] = std::max(block[c], channels[c].power(row, column));
   }
 }
 
@@ -84,7 +78,7 @@ std::uint8_t LargestModulation::lit(long row, long column,
   float largest = 0;
   for (std::size_t c = 0; c < kColorChannels; ++c) {
     if ((reflected_ >> c & 1U) == 0 || !(most[c] > 0)) continue;
-    share[c] = modulation_power(channels[c], row, column) / most[c];
+    share[c] = channels[c].power(row, column) / most[c];
     largest = std::max(largest, share[c]);
   }
   if (largest < kDark * kDark) return 0;
