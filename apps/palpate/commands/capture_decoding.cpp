@@ -53,7 +53,7 @@ sensing::DecodeEvidence evidence_of_all(const Outcomes& outcomes) {
 }  // namespace
 
 LiveDecoding::LiveDecoding(const LiveDecodeCall& call, const sensing::CameraState& camera)
-    : call_(call), bayer_(camera.bayer), bits_(camera.bits > 8 ? camera.bits : 0) {
+    : call_(call), bayer_(camera.bayer), bits_(camera.bits) {
   const sensing::Rig rig = sensing::read_rig(call_.rig);
   if (rig.camera.width != camera.size.width || rig.camera.height != camera.size.height) {
     throw InvalidInput(fmt::format(
@@ -83,17 +83,21 @@ LiveDecoding::LiveDecoding(const LiveDecodeCall& call, const sensing::CameraStat
 }
 
 void LiveDecoding::decode(const sensing::RecordedFrame& frame, const fs::path& file) {
-  sensing::SourceFrame source{
-      .number = frame.index, .name = file.filename().string(), .file = file, .read = [&] {
-        return sensing::decodable(frame.image, bayer_);
-      }};
-  if (bits_ > 0) widen_when_read(bits_, source);
+  const std::string name = file.filename().string();
+  const auto read = [&] {
+    try {
+      return sensing::decodable(frame.image, bayer_, bits_);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(name + ": " + error.what());
+    }
+  };
+  sensing::SourceFrame source{.number = frame.index, .name = name, .file = file, .read = read};
   if (linearizer_) linearize_when_read(*linearizer_, source);
   const sensing::DecodedFrame decoded = sensing::decode_frame(std::move(source), *decoder_);
   Outcome outcome;
   outcome.error = decoded.error;
   outcome.frame.number = frame.index;
-  outcome.frame.name = file.filename().string();
+  outcome.frame.name = name;
   if (decoded.error.empty()) {
     {
       const std::lock_guard lock(mutex_);

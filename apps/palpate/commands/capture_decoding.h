@@ -54,7 +54,7 @@ class LiveDecoding {
 
   LiveDecodeCall call_;
   std::optional<sensing::BayerPattern> bayer_;
-  int bits_ = 0;  ///< of 16-bit frames; 0 for frames of 8 bits
+  int bits_ = 0;
   std::optional<sensing::Linearizer> linearizer_;
   std::optional<sensing::Decoder> decoder_;
   std::optional<ResultFolder> folder_;

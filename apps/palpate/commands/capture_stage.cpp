@@ -82,9 +82,7 @@ cv::Mat Stage::take(const fs::path& image) {
     most_clipped_ = clipped;
     brightest_ = image.filename().string();
   }
-  cv::Mat taken = sensing::decodable(frame.image, state.bayer);
-  if (state.bits > 8) taken.convertTo(taken, CV_16U, 65535.0 / ((1 << state.bits) - 1));
-  return taken;
+  return sensing::decodable(frame.image, state.bayer, state.bits);
 }
 
 void Stage::warn_of_clipping() const {

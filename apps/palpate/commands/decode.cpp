@@ -76,7 +76,6 @@ std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameS
       kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
       continue;
     }
-    if (call.bits > 0) widen_when_read(call.bits, *frame);
     if (call.bits == 0 && frame->number == 0) doubt_bits_when_read(*frame);
     if (call.linearizer) linearize_when_read(*call.linearizer, *frame);
     if (!call.anchor.empty() && frame->number == 0) examine_when_read(*frame);
@@ -243,7 +242,7 @@ void decode(const Settings& settings, DecodeCall call) {
                        " would be replaced by the rig of the smaller range maps; choose another "
                        "folder for them");
   }
-  sensing::FrameSource source = open_frames(call.frames, call.bayer, call.output);
+  sensing::FrameSource source = open_frames(call.frames, call.bayer, call.bits, call.output);
   if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
   const sensing::Rig rig = sensing::read_rig(call.rig);
   doubt_unit(call.rig, rig);

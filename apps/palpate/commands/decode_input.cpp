@@ -55,23 +55,6 @@ std::vector<sensing::Anchor> anchors_of(const std::vector<double>& values) {
   return anchors;
 }
 
-void widen_when_read(int bits, sensing::SourceFrame& frame) {
-  frame.read = [read = std::move(frame.read), name = frame.name, bits] {
-    const cv::Mat image = read();
-    if (image.depth() != CV_16U) return image;
-    const int full_scale = (1 << bits) - 1;
-    const double largest = cv::norm(image, cv::NORM_INF);
-    if (largest > full_scale) {
-      throw InvalidInput(
-          fmt::format("{}: holds the value {}; with --bits {} at most {} is expected", name,
-                      largest, bits, full_scale));
-    }
-    cv::Mat wide;
-    image.convertTo(wide, CV_16U, 65535.0 / full_scale);
-    return wide;
-  };
-}
-
 void doubt_bits_when_read(sensing::SourceFrame& frame) {
   frame.read = [read = std::move(frame.read), name = frame.name] {
     cv::Mat image = read();
@@ -109,8 +92,9 @@ void examine_when_read(sensing::SourceFrame& frame) {
 }
 
 sensing::FrameSource open_frames(const std::vector<fs::path>& frames, const std::string& bayer,
-                                 const fs::path& output) {
+                                 int bits, const fs::path& output) {
   sensing::FrameSourceOptions options;
+  if (bits > 0) options.bits = bits;
   if (!bayer.empty()) options.bayer = sensing::bayer_pattern(bayer);
   sensing::FrameSource source(frames, options);
   check_outputs(frames, {output});

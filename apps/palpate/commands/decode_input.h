@@ -19,16 +19,12 @@ namespace palpate::apps {
 
 /// Opens the frames of a call, and prints what their source warns of.
 /// \param bayer order of the colours, such as "rggb"; empty for frames in colour.
+/// \param bits that the values of 16-bit frames use; 0: not stated, all 16.
 /// \param output the folder of the results, in which no frame may lie.
 /// \throws InvalidInput or FileError.
 [[nodiscard]] sensing::FrameSource open_frames(const std::vector<std::filesystem::path>& frames,
-                                               const std::string& bayer,
+                                               const std::string& bayer, int bits,
                                                const std::filesystem::path& output);
-
-/// Makes the function that reads the frame stretch 16-bit values so that 2^bits - 1 is full scale.
-/// Frames of 8 bits stay as they are; a larger value is an InvalidInput when the frame is read.
-/// \param bits in [8, 16].
-void widen_when_read(int bits, sensing::SourceFrame& frame);
 
 /// Makes the function that reads the frame warn if 16-bit values fill only 10, 12 or 14 bits. What
 /// a camera's full scale is cannot be known from a frame, so nothing is done about it.

@@ -43,7 +43,7 @@ cv::Mat first_channel(const cv::Mat& image) {
 cv::Mat read_image(const fs::path& file, const FrameSourceOptions& options) {
   const cv::Mat image = read_frame(file);
   try {
-    return decodable(image, options.bayer);
+    return decodable(image, options.bayer, options.bits);
   } catch (const InvalidInput& error) {
     throw FileError(file.string() + ": " + error.what());
   }
@@ -122,7 +122,7 @@ std::optional<SourceFrame> FrameSource::Impl::next_of_video() {
   ++in_video;
   frame.read = [image, options = options, name = path.string() + place] {
     try {
-      return decodable(options.bayer ? first_channel(image) : image, options.bayer);
+      return decodable(options.bayer ? first_channel(image) : image, options.bayer, options.bits);
     } catch (const InvalidInput& error) {
       throw FileError(name + ": " + error.what());
     }

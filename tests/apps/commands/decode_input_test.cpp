@@ -59,20 +59,12 @@ TEST(DecodeInput, ASinusoidWithHarmonicsIsTold) {
   EXPECT_EQ(said_of(cv::Mat::zeros(240, 320, CV_16U)), "") << "nothing to examine";
 }
 
-TEST(DecodeInput, TwelveBitsInSixteenAreToldAndStretchedOnRequestAlone) {
+TEST(DecodeInput, TwelveBitsInSixteenAreTold) {
   cv::Mat image(4, 4, CV_16UC3, cv::Scalar(100, 2000, 4095));
   EXPECT_NE(said_of(image, doubt_bits_when_read).find("pass --bits 12"), std::string::npos);
   image.at<cv::Vec3w>(0, 0)[0] = 60000;
   EXPECT_EQ(said_of(image, doubt_bits_when_read), "");
   EXPECT_EQ(said_of(cv::Mat(4, 4, CV_8UC3, cv::Scalar::all(9)), doubt_bits_when_read), "");
-
-  sensing::SourceFrame frame{
-      .number = 0, .name = "raw.png", .file = {}, .read = [&] { return image; }};
-  widen_when_read(12, frame);
-  EXPECT_THROW((void)frame.read(), InvalidInput);
-  image.setTo(cv::Scalar(0, 2048, 4095));
-  const cv::Mat_<cv::Vec3w> wide = frame.read();
-  EXPECT_EQ(wide(1, 1), cv::Vec3w(0, 32776, 65535));
 }
 
 }  // namespace

@@ -30,6 +30,29 @@ TEST(Decodable, IsWhatTheSourceOfRecordedFramesReads) {
   }
 }
 
+TEST(Decodable, TwelveBitsInSixteenAreStretchedOnRequestAlone) {
+  cv::Mat image(4, 4, CV_16UC3, cv::Scalar(0, 2048, 4095));
+  EXPECT_EQ(cv::Mat_<cv::Vec3w>(decodable(image, {}))(1, 1), cv::Vec3w(0, 2048, 4095));
+  EXPECT_EQ(cv::Mat_<cv::Vec3w>(decodable(image, {}, 12))(1, 1), cv::Vec3w(0, 32776, 65535));
+  image.at<cv::Vec3w>(0, 0)[0] = 4096;
+  EXPECT_NE(message_of<InvalidInput>([&] { (void)decodable(image, {}, 12); }).find("value 4096"),
+            std::string::npos);
+  const cv::Mat narrow(4, 4, CV_8UC3, cv::Scalar::all(9));
+  EXPECT_EQ(cv::norm(decodable(narrow, {}, 12), narrow, cv::NORM_INF), 0);
+}
+
+TEST(Decodable, HotPixelsAreReplacedWhateverTheBitsOfTheMosaic) {
+  for (const int bits : {8, 10, 12, 14, 16}) {
+    const double full = (1 << bits) - 1;
+    cv::Mat mosaic(16, 20, CV_16UC1);
+    cv::randu(mosaic, 0.2 * full, 0.22 * full);
+    mosaic.at<unsigned short>(7, 9) = static_cast<unsigned short>(0.4 * full);
+    double largest = 0;
+    cv::minMaxLoc(decodable(mosaic, BayerPattern::rggb, bits).reshape(1), nullptr, &largest);
+    EXPECT_LE(largest, 0.22 * 65535 + 1) << bits;
+  }
+}
+
 TEST(Decodable, AnImageInColourIsNoMosaic) {
   const cv::Mat color(16, 20, CV_8UC3, cv::Scalar::all(9));
   EXPECT_FALSE(

@@ -28,6 +28,8 @@ struct SourceFrame {
 struct FrameSourceOptions {
   /// If given, the frames are raw mosaics of a single-chip camera.
   std::optional<BayerPattern> bayer = {};
+  /// That the values of 16-bit frames use, in [8, 16]: 12 if the camera's full scale is 4095.
+  int bits = 16;
 };
 
 /// The frames of images, folders of images and videos as one sequence. Each frame is read only when
