@@ -44,12 +44,6 @@ nlohmann::ordered_json live_settings(const LiveDecodeCall& call,
           {"--segmentation", "flood"}};
 }
 
-sensing::DecodeEvidence evidence_of_all(const Outcomes& outcomes) {
-  sensing::DecodeEvidence all;
-  for (const auto& [number, outcome] : outcomes) all += outcome.frame.evidence;
-  return all;
-}
-
 }  // namespace
 
 LiveDecoding::LiveDecoding(const LiveDecodeCall& call, const sensing::CameraState& camera)
@@ -119,9 +113,10 @@ void LiveDecoding::add(Outcome outcome, const sensing::RecordedFrame& frame) {
       std::chrono::steady_clock::now() - frame.arrival;
   const std::lock_guard lock(mutex_);
   delays_.push_back(delay.count());
+  evidence_ += outcome.frame.evidence;
   outcomes_[frame.index] = std::move(outcome);
   if (has_warned_ || outcomes_.size() < kFirstJudgement) return;
-  const sensing::DecodeJudgement judgement = sensing::judge(evidence_of_all(outcomes_));
+  const sensing::DecodeJudgement judgement = sensing::judge(evidence_);
   if (judgement.usable()) return;
   has_warned_ = true;
   spdlog::warn("the frames do not fit rig, pattern or colours: {}.", judgement.reason);

@@ -64,6 +64,7 @@ class LiveDecoding {
   bool begun_ = false;
   bool has_warned_ = false;
   Outcomes outcomes_;
+  sensing::DecodeEvidence evidence_;  ///< the sum of their evidence
   std::vector<double> delays_;
 };
 
