@@ -124,10 +124,7 @@ void LiveDecoding::add(Outcome outcome, const sensing::RecordedFrame& frame) {
 
 void LiveDecoding::finish(const std::vector<fs::path>& frames) {
   if (!begun_) return;
-  std::vector<std::string> inputs;
-  inputs.reserve(frames.size());
-  for (const fs::path& file : frames) inputs.push_back(file.filename().string());
-  DecodeRecord record(outputs_.folder, live_settings_, inputs);
+  DecodeRecord record(outputs_.folder, live_settings_, frames);
   record.begin();
   for (auto& [index, outcome] : outcomes_) {
     if (!outcome.error.empty()) continue;

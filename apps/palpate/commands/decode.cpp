@@ -269,12 +269,10 @@ void decode(const Settings& settings, DecodeCall call) {
   if (call.segmentation == "snakes") options.segmentation = sensing::Segmentation::snakes;
   const sensing::Decoder decoder(rig, pattern, colors, options);
   call.shown = pattern;
-  std::vector<std::string> inputs;
-  for (const fs::path& file : source.files()) inputs.push_back(file.filename().string());
   using enum ResultFolder::Unfinished;
   ResultFolder folder(call.output, decoded_files, call.resume ? resumed : kept);
   call.outputs.folder = folder.place();
-  DecodeRecord record(folder.place(), settings_of(call), inputs);
+  DecodeRecord record(folder.place(), settings_of(call), source.files());
   if (call.resume) record.resume();
 
   const Clock::time_point start = Clock::now();

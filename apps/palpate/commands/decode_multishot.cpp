@@ -168,9 +168,7 @@ void decode_multishot(const Settings& settings, MultishotCall call) {
   check_number(call);
   ResultFolder folder(call.output, decoded_files, ResultFolder::Unfinished::dropped);
   call.outputs.folder = folder.place();
-  std::vector<std::string> inputs;
-  for (const fs::path& file : call.source.files()) inputs.push_back(file.filename().string());
-  DecodeRecord record(folder.place(), call.record_settings, inputs);
+  DecodeRecord record(folder.place(), call.record_settings, call.source.files());
   std::vector<SceneOutcome> outcomes;
   std::size_t decoded = 0;
   const WallClock::time_point start = WallClock::now();

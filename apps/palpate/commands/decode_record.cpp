@@ -165,8 +165,10 @@ void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
   frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
 }
 
-DecodeRecord::DecodeRecord(fs::path folder, Json settings, std::vector<std::string> inputs)
-    : folder_(std::move(folder)), settings_(std::move(settings)), inputs_(std::move(inputs)) {}
+DecodeRecord::DecodeRecord(fs::path folder, Json settings, const std::vector<fs::path>& inputs)
+    : folder_(std::move(folder)), settings_(std::move(settings)) {
+  for (const fs::path& file : inputs) inputs_.push_back(file.filename().string());
+}
 
 fs::path DecodeRecord::file() const { return folder_ / kDecodeFile; }
 

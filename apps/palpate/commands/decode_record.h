@@ -51,9 +51,9 @@ void measure_depths(const geometry::ImageF& z, FinishedFrame& frame);
 class DecodeRecord {
  public:
   /// \param settings all options on which range maps depend, by name.
-  /// \param inputs names of the files that hold the frames, in their order.
+  /// \param inputs the files that hold the frames, in their order.
   DecodeRecord(std::filesystem::path folder, nlohmann::ordered_json settings,
-               std::vector<std::string> inputs);
+               const std::vector<std::filesystem::path>& inputs);
 
   /// Takes over the frames that an earlier run has finished in this folder, if there was one.
   /// \throws InvalidInput if that run had other settings, or its files are not the first of these;
@@ -87,7 +87,7 @@ class DecodeRecord {
 
   std::filesystem::path folder_;
   nlohmann::ordered_json settings_;
-  std::vector<std::string> inputs_;
+  std::vector<std::string> inputs_;               ///< names of the files
   std::map<std::size_t, FinishedFrame> earlier_;  ///< constant after `resume`
   std::map<std::size_t, std::string> added_;      ///< names by number
   std::optional<RunRecordWriter> writer_;         ///< after `begin`
