@@ -232,6 +232,26 @@ void decode_scenes(const Settings& settings, const DecodeCall& call, sensing::Fr
                               .writes_rig = !lies_in_output(call)});
 }
 
+sensing::Decoder make_decoder(const DecodeCall& call, const sensing::Rig& rig,
+                              const sensing::Pattern& pattern) {
+  sensing::TrainedColors colors;
+  if (!call.colors.empty()) {
+    colors = sensing::read_trained_colors(call.colors);
+  } else if (!pattern.stripe_edges.empty()) {
+    throw InvalidInput("--colors: is missing; " + call.pattern.string() +
+                       " has coloured stripes. Give the trained colours (colors.yaml), as palpate "
+                       "calibrate colors writes them.");
+  }
+  using enum sensing::Segmentation;
+  return {rig,
+          pattern,
+          colors,
+          {.window_periods = call.window_periods,
+           .half_resolution = call.half,
+           .segmentation = call.segmentation == "snakes" ? snakes : flood,
+           .anchors = anchors_of(call.anchor)}};
+}
+
 void decode(const Settings& settings, DecodeCall call) {
   refuse_pipes({{"--rig", call.rig},
                 {"--pattern", call.pattern},
@@ -254,20 +274,7 @@ void decode(const Settings& settings, DecodeCall call) {
                        " is for several images of a still scene");
   }
   call.outputs.noise = call.outputs.sigma && rig.covariance.has_value();
-  sensing::TrainedColors colors;
-  if (!call.colors.empty()) {
-    colors = sensing::read_trained_colors(call.colors);
-  } else if (!pattern.stripe_edges.empty()) {
-    throw InvalidInput("--colors: is missing; " + call.pattern.string() +
-                       " has coloured stripes. Give the trained colours (colors.yaml), as palpate "
-                       "calibrate colors writes them.");
-  }
-  sensing::DecodeOptions options;
-  options.window_periods = call.window_periods;
-  options.half_resolution = call.half;
-  options.anchors = anchors_of(call.anchor);
-  if (call.segmentation == "snakes") options.segmentation = sensing::Segmentation::snakes;
-  const sensing::Decoder decoder(rig, pattern, colors, options);
+  const sensing::Decoder decoder = make_decoder(call, rig, pattern);
   call.shown = pattern;
   using enum ResultFolder::Unfinished;
   ResultFolder folder(call.output, decoded_files, call.resume ? resumed : kept);
