@@ -50,8 +50,8 @@ void expect_unwritable(const std::function<void(const std::filesystem::path&)>& 
 /// The smallest rectangle around the pixels that a mask holds, in the mask; empty if it holds none.
 [[nodiscard]] Region box_of(const cv::Mat1b& mask);
 
-/// A flat square of `size` mm that faces a camera at the origin, its corner nearest to the origin at
-/// (x, y, z), in 2 x `cells`^2 triangles.
+/// A flat square of `size` mm that faces a camera at the origin, its corner nearest to the origin
+/// at (x, y, z), in 2 x `cells`^2 triangles.
 [[nodiscard]] geometry::TriangleMesh make_square(const Eigen::Vector3d& corner, double size,
                                                  int cells);
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Prints the figures of docs/probing-validation.md on touches, slips, forces and faults, which need more
-// trials than tests have time for. Without arguments all; otherwise those that are named.
+// Prints the figures of docs/probing-validation.md on touches, slips, forces and faults, which need
+// more trials than tests have time for. Without arguments all; otherwise those that are named.
 #include <algorithm>
 #include <array>
 #include <cstdio>
