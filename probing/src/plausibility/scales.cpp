@@ -129,6 +129,10 @@ void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding
                         "all contacts lie within " + figure(extent) +
                             " mm, which is unlikely for an object under an arm",
                         kMillimetres});
+  } else if (displacement <= kStandstill * std::max(low.norm(), high.norm())) {
+    findings.push_back({Implausibility::length_scale, true,
+                        "the tool stands still: under most forces it is at its contact",
+                        "give the positions of the tool under force in the columns a and b"});
   } else if (displacement < kSmallestDisplacement) {
     findings.push_back({Implausibility::length_scale, false,
                         "the tool moves the surface by " + figure(displacement) +

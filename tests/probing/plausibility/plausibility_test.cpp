@@ -450,6 +450,19 @@ TEST(Plausibility, SuspectsSizesThatNoArmMeasures) {
     }
   });
   EXPECT_EQ(rigid.kind, Implausibility::length_scale);
+  EXPECT_FALSE(rigid.impossible);
+}
+
+TEST(Plausibility, ForcesWithoutAnyMotionOfTheToolAreImpossible) {
+  const Finding still = finding_of([](Acquisition& a) {
+    for (Sample& sample : a.samples) {
+      sample.a = a.contacts[static_cast<std::size_t>(sample.contact - 10)].position;
+      sample.b = sample.a;
+    }
+  });
+  EXPECT_EQ(still.kind, Implausibility::length_scale);
+  EXPECT_TRUE(still.impossible);
+  EXPECT_THAT(message(still), HasSubstr("the tool stands still"));
 }
 
 TEST(Plausibility, SuspectsForcesThatHeldButAreNearlyTangential) {

@@ -79,6 +79,9 @@ inline constexpr double kSmallestExtent = 1;
 inline constexpr double kLargestExtent = 5000;
 /// [mm] A median displacement below this is within the noise of arms (thesis 5.2: 0.02 mm).
 inline constexpr double kSmallestDisplacement = 0.02;
+/// A tool stands still iff it moves by no more than this, relative to the coordinates of the
+/// contacts: the rounding of nine digits.
+inline constexpr double kStandstill = 1e-9;
 /// [N] Largest force of all: below what force sensors resolve, beyond what soft objects are probed
 /// with (a haptic arm has 3 N, 3 N in grams are 306).
 inline constexpr double kSmallestForce = 0.02;
