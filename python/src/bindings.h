@@ -36,17 +36,6 @@ using py::kw_only;
 /// For loops in which the interpreter is not locked.
 using Unlocked = py::gil_scoped_release;
 
-/// Calls `progress(done, total)` of Python unless it is None, and hears Ctrl-C. What either raises
-/// ends the work. Python hears signals in its main thread only, so other threads of the work go on
-/// until that thread reports. `progress` must outlive the result.
-[[nodiscard]] inline auto reporting(py::handle progress) {
-  return [progress](int done, int total) {
-    const py::gil_scoped_acquire locked;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    if (!progress.is_none()) progress(done, total);
-  };
-}
-
 /// The value that a word stands for. \throws InvalidInput with the words that are known.
 template <typename Value>
 [[nodiscard]] Value choose(const char* name, const std::string& word,

@@ -7,6 +7,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "long_work.h"
 #include "palpate/geometry/attribute.h"
 #include "palpate/geometry/cloud_clusters.h"
 #include "palpate/geometry/cloud_distance.h"
@@ -76,11 +77,11 @@ void add_selection(py::module_& module) {
       [](const py::object& points, int neighbours, double max_deviations,
          const py::object& progress) {
         const Points given(points, "points");
-        const OutlierOptions options{.neighbours = neighbours,
-                                     .max_deviations = max_deviations,
-                                     .progress = reporting(progress)};
+        LongWork work(progress);
+        const OutlierOptions options{
+            .neighbours = neighbours, .max_deviations = max_deviations, .progress = work.report()};
         return array_of(
-            unlocked([&] { return geometry::without_outliers(given.columns(), options); }));
+            work.run([&] { return geometry::without_outliers(given.columns(), options); }));
       },
       arg("points"), kw_only(), arg("neighbours") = OutlierOptions{}.neighbours,
       arg("max_deviations") = OutlierOptions{}.max_deviations, arg("progress") = py::none(),
@@ -94,9 +95,9 @@ Raises InvalidInput.)");
       "without_isolated",
       [](const py::object& points, double radius, int neighbours, const py::object& progress) {
         const Points given(points, "points");
-        return array_of(unlocked([&] {
-          return geometry::without_isolated(given.columns(), radius, neighbours,
-                                            reporting(progress));
+        LongWork work(progress);
+        return array_of(work.run([&] {
+          return geometry::without_isolated(given.columns(), radius, neighbours, work.report());
         }));
       },
       arg("points"), arg("radius"), arg("neighbours"), kw_only(), arg("progress") = py::none(),
@@ -121,8 +122,9 @@ finite. Raises InvalidInput. Ctrl-C is not heard.)");
       "poisson_sample",
       [](const py::object& points, double min_distance, const py::object& progress) {
         const Points given(points, "points");
-        return array_of(unlocked([&] {
-          return geometry::poisson_sample(given.columns(), min_distance, reporting(progress));
+        LongWork work(progress);
+        return array_of(work.run([&] {
+          return geometry::poisson_sample(given.columns(), min_distance, work.report());
         }));
       },
       arg("points"), arg("min_distance"), kw_only(), arg("progress") = py::none(),
@@ -134,10 +136,11 @@ Raises InvalidInput.)");
       "cloud_clusters",
       [](const py::object& points, double max_gap, int min_points, const py::object& progress) {
         const Points given(points, "points");
+        LongWork work(progress);
         const geometry::CloudClusterOptions options{
-            .max_gap = max_gap, .min_points = min_points, .progress = reporting(progress)};
+            .max_gap = max_gap, .min_points = min_points, .progress = work.report()};
         return array_of(
-            unlocked([&] { return geometry::cloud_clusters(given.columns(), options); }).cluster);
+            work.run([&] { return geometry::cloud_clusters(given.columns(), options); }).cluster);
       },
       arg("points"), arg("max_gap"), kw_only(),
       arg("min_points") = geometry::CloudClusterOptions{}.min_points, arg("progress") = py::none(),
@@ -155,9 +158,10 @@ void add_measures(py::module_& module) {
       [](const py::object& points, int neighbours, const py::object& viewpoint,
          const py::object& progress) {
         const Points given(points, "points");
-        CloudNormalOptions options{.neighbours = neighbours, .progress = reporting(progress)};
+        LongWork work(progress);
+        CloudNormalOptions options{.neighbours = neighbours, .progress = work.report()};
         if (!viewpoint.is_none()) options.viewpoints = vector3(viewpoint, "viewpoint");
-        return own_rows(unlocked(
+        return own_rows(work.run(
             [&] { return std::move(geometry::cloud_normals(given.columns(), options).normals); }));
       },
       arg("points"), kw_only(), arg("neighbours") = CloudNormalOptions{}.neighbours,
@@ -173,9 +177,9 @@ Raises InvalidInput.)");
       "distances_to_cloud",
       [](const py::object& points, const py::object& cloud, const py::object& progress) {
         const Points given(points, "points"), reference(cloud, "cloud");
-        const Eigen::VectorXd distances = unlocked([&] {
-          return geometry::distances_to_cloud(given.columns(), reference.columns(),
-                                              reporting(progress));
+        LongWork work(progress);
+        const Eigen::VectorXd distances = work.run([&] {
+          return geometry::distances_to_cloud(given.columns(), reference.columns(), work.report());
         });
         return py::array_t<double>(distances.size(), distances.data());
       },
@@ -214,12 +218,12 @@ py::class_<Shape> add_shape(py::module_& module, const char* name, const char* d
 }
 
 CloudShapeOptions shape_options(double tolerance, double min_share, double max_radius,
-                                std::uint64_t seed, const py::object& progress) {
+                                std::uint64_t seed, LongWork& work) {
   return {.tolerance = tolerance,
           .min_share = min_share,
           .max_radius = max_radius,
           .seed = seed,
-          .progress = reporting(progress)};
+          .progress = work.report()};
 }
 
 void add_shapes(py::module_& module) {
@@ -249,9 +253,10 @@ void add_shapes(py::module_& module) {
       [](const py::object& points, double tolerance, double min_share, std::uint64_t seed,
          const py::object& progress) {
         const Points given(points, "points");
+        LongWork work(progress);
         const CloudShapeOptions options =
-            shape_options(tolerance, min_share, CloudShapeOptions{}.max_radius, seed, progress);
-        return unlocked([&] { return geometry::find_plane(given.columns(), options); });
+            shape_options(tolerance, min_share, CloudShapeOptions{}.max_radius, seed, work);
+        return work.run([&] { return geometry::find_plane(given.columns(), options); });
       },
       arg("points"), arg("tolerance"), kw_only(), arg("min_share") = usual.min_share,
       arg("seed") = usual.seed, arg("progress") = py::none(),
@@ -267,9 +272,10 @@ Raises InvalidInput.)");
       [](const py::object& points, double tolerance, double min_share, double max_radius,
          std::uint64_t seed, const py::object& progress) {
         const Points given(points, "points");
+        LongWork work(progress);
         const CloudShapeOptions options =
-            shape_options(tolerance, min_share, max_radius, seed, progress);
-        return unlocked([&] { return geometry::find_sphere(given.columns(), options); });
+            shape_options(tolerance, min_share, max_radius, seed, work);
+        return work.run([&] { return geometry::find_sphere(given.columns(), options); });
       },
       arg("points"), arg("tolerance"), kw_only(), arg("min_share") = usual.min_share,
       arg("max_radius") = usual.max_radius, arg("seed") = usual.seed, arg("progress") = py::none(),
@@ -282,9 +288,10 @@ Other arguments and errors are those of find_plane().)");
       [](const py::object& points, const py::object& normals, double tolerance, double min_share,
          double max_radius, std::uint64_t seed, const py::object& progress) {
         const Points given(points, "points"), directions(normals, "normals");
+        LongWork work(progress);
         const CloudShapeOptions options =
-            shape_options(tolerance, min_share, max_radius, seed, progress);
-        return unlocked([&] {
+            shape_options(tolerance, min_share, max_radius, seed, work);
+        return work.run([&] {
           return geometry::find_cylinder(given.columns(), directions.columns(), options);
         });
       },

@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "long_work.h"
 #include "maker/model_page.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/build_model.h"
@@ -178,8 +179,6 @@ geometry::TriangleMesh surface_of(const CheckedAcquisition& acquisition,
 
 BuildResult fit(const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,
                 const haptics::BuildOptions& options) {
-  check_plausible("fit()", acquisition);
-  const Unlocked unlocked;
   BuildResult built = haptics::build_model(acquisition, surface_of(acquisition, surface), options);
   built.model.made["program"] = "palpate " PALPATE_VERSION " (Python)";
   return built;
@@ -229,14 +228,15 @@ void add_fit(py::module_& module) {
         options.fit.mode = fit_mode(passive);
         options.fit.accuracy = accuracy;
         options.fit.max_bases = max_bases;
-        options.progress = [hear = reporting(py::none()), report = reporting(progress)](
-                               haptics::BuildStage stage, int done, int total) {
-          if (stage == haptics::BuildStage::fields)
-            report(done, total);
-          else  // in no time
-            hear(done, total);
+        LongWork work(progress);
+        options.progress = [&work, report = work.report()](haptics::BuildStage stage, int done,
+                                                           int total) {
+          work.go_on();
+          // Others take no time.
+          if (stage == haptics::BuildStage::fields) report(done, total);
         };
-        return fit(acquisition, surface, options);
+        check_plausible("fit()", acquisition);
+        return work.run([&] { return fit(acquisition, surface, options); });
       },
       arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("passive") = "convex",
       arg("blend") = "compliances", arg("triangulation") = "delaunay", arg("accuracy") = 0.0,
@@ -259,8 +259,8 @@ estimate_offsets: where all contacts were only pressed, estimate a constant erro
 rate: where all contacts were only pressed, fit how forces depend on the rate.
 progress: called as progress(done, total) after each contact, from any thread, one at a time.
 
-All processors are used, and other threads of Python run meanwhile. Ctrl-C is heard when the main
-thread has fitted its contact. Raises InvalidInput, also if `acquisition` cannot be measurements of an
+All processors are used, and other threads of Python run meanwhile. Ctrl-C ends the fit after the
+next contact. Raises InvalidInput, also if `acquisition` cannot be measurements of an
 object, or SolverError; warns (UserWarning) of what is suspicious.)");
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.h"
 #include "bindings.h"
+#include "long_work.h"
 #include "palpate/geometry/camera.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/mesh_io.h"
@@ -109,11 +110,10 @@ void add_decimation(py::module_& module) {
       "decimate",
       [](const TriangleMesh& mesh, const std::optional<double>& tolerance,
          const std::optional<int>& max_triangles, const py::object& progress) {
-        const geometry::DecimationOptions options{.tolerance = tolerance,
-                                                  .max_triangles = max_triangles,
-                                                  .progress = reporting(progress)};
-        const Unlocked unlocked;
-        return geometry::decimate(mesh, options);
+        LongWork work(progress);
+        const geometry::DecimationOptions options{
+            .tolerance = tolerance, .max_triangles = max_triangles, .progress = work.report()};
+        return work.run([&] { return geometry::decimate(mesh, options); });
       },
       arg("mesh"), kw_only(), arg("tolerance") = py::none(), arg("max_triangles") = py::none(),
       arg("progress") = py::none(),
@@ -149,9 +149,9 @@ Raises InvalidInput.)");
   module.def(
       "repair",
       [](const TriangleMesh& mesh, const py::object& progress) {
-        const geometry::RepairOptions options{.progress = reporting(progress)};
-        const Unlocked unlocked;
-        return geometry::repair_mesh(mesh, options);
+        LongWork work(progress);
+        const geometry::RepairOptions options{.progress = work.report()};
+        return work.run([&] { return geometry::repair_mesh(mesh, options); });
       },
       arg("mesh"), kw_only(), arg("progress") = py::none(),
       R"(Repairs a copy of a mesh: the result is oriented and manifold. Holes stay open.
@@ -211,12 +211,12 @@ void add_remeshing(py::module_& module) {
       "remesh",
       [](const TriangleMesh& mesh, double edge_length, double feature_angle, int iterations,
          const py::object& progress) {
+        LongWork work(progress);
         const geometry::RemeshingOptions options{.edge_length = edge_length,
                                                  .feature_angle = feature_angle,
                                                  .iterations = iterations,
-                                                 .progress = reporting(progress)};
-        const Unlocked unlocked;
-        return arrays_of(geometry::remesh(mesh, options));
+                                                 .progress = work.report()};
+        return work.run([&] { return arrays_of(geometry::remesh(mesh, options)); });
       },
       arg("mesh"), kw_only(), arg("edge_length"),
       arg("feature_angle") = geometry::RemeshingOptions{}.feature_angle,

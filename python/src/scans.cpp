@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "long_work.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/smoothing.h"
@@ -59,12 +60,12 @@ void add_merging(py::module_& module) {
          const std::vector<py::object>& sigmas, const std::optional<double>& spacing, double reach,
          double max_memory, const py::object& progress) {
         const std::vector<Scan> scans = scans_of(meshes, poses, sigmas);
+        LongWork work(progress);
         const MergeScansOptions options{.spacing = spacing,
                                         .reach = reach,
                                         .max_memory = max_memory,
-                                        .progress = reporting(progress)};
-        const Unlocked unlocked;
-        return geometry::merge_scans(scans, options);
+                                        .progress = work.report()};
+        return work.run([&] { return geometry::merge_scans(scans, options); });
       },
       arg("meshes"), kw_only(), arg("poses") = py::tuple(), arg("sigmas") = py::tuple(),
       arg("spacing") = py::none(), arg("reach") = MergeScansOptions{}.reach,
@@ -91,10 +92,10 @@ void add_hole_filling(py::module_& module) {
   module.def(
       "fill_holes",
       [](const TriangleMesh& mesh, double max_diameter, const py::object& progress) {
+        LongWork work(progress);
         const geometry::HoleFillingOptions options{.max_diameter = max_diameter,
-                                                   .progress = reporting(progress)};
-        const Unlocked unlocked;
-        return geometry::fill_holes(mesh, options);
+                                                   .progress = work.report()};
+        return work.run([&] { return geometry::fill_holes(mesh, options); });
       },
       arg("mesh"), arg("max_diameter"), kw_only(), arg("progress") = py::none(),
       R"(Fills holes with patches that are as dense as their rim and continue the surface smoothly.

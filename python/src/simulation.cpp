@@ -7,6 +7,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "long_work.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_setup.h"
@@ -148,18 +149,17 @@ Raises InvalidInput if no place may be probed. Ctrl-C is not heard.)");
 
 haptics::BuildResult bake(const Specimen& specimen, const PlanOptions& plan,
                           const py::object& progress) {
-  const auto report = reporting(progress);
+  LongWork work(progress);
   haptics::BuildOptions options = haptics::exact_samples();
-  options.progress = [hear = reporting(py::none())](haptics::BuildStage, int done, int total) {
-    hear(done, total);
-  };
-  const Unlocked unlocked;
-  const probing::SpecimenTrials trials = probing::try_specimen(
-      *specimen.object, haptics::plan_bake(*specimen.object, plan), {.progress = report});
-  haptics::BuildResult built =
-      haptics::build_model(trials.acquisition, specimen.object->surface(), options);
-  built.model.made["program"] = "palpate " PALPATE_VERSION " (Python)";
-  return built;
+  options.progress = [&work](haptics::BuildStage, int, int) { work.go_on(); };
+  return work.run([&] {
+    const probing::SpecimenTrials trials = probing::try_specimen(
+        *specimen.object, haptics::plan_bake(*specimen.object, plan), {.progress = work.report()});
+    haptics::BuildResult built =
+        haptics::build_model(trials.acquisition, specimen.object->surface(), options);
+    built.model.made["program"] = "palpate " PALPATE_VERSION " (Python)";
+    return built;
+  });
 }
 
 void add_bake(py::module_& module) {
@@ -182,7 +182,7 @@ void add_bake(py::module_& module) {
 
 spacing, contacts, directions, max_force: as in plan_contacts().
 progress: called as progress(done, total) after each equilibrium, from any thread, one at a time.
-Ctrl-C is heard then, in the main thread. Raises InvalidInput or SolverError.)");
+Ctrl-C is heard then. Raises InvalidInput or SolverError.)");
 }
 
 /// An arm of a campaign; `prober` uses what stands above it.
@@ -224,25 +224,26 @@ probing::CheckedAcquisition probe(const ContactPlan& plan, const Specimen& speci
         "plan: is of another surface than that of the specimen; make it with "
         "plan_contacts(specimen.surface)");
   }
-  const auto report = reporting(progress);
   const std::string description = py::str(py::module_::import("json").attr("dumps")(
       py::dict(arg("arm") = kind, arg("specimen") = specimen.text, arg("seed") = options.seed,
                arg("setup") = "{}")));
-  const Unlocked unlocked;
-  probing::Campaign campaign(plan, options);
-  const SimulatedArm arm = make(specimen, options.seed);
-  auto store =
-      probing::CampaignStore::create(path, {.plan = probing::to_text(plan),
-                                            .strategy = probing::to_text(options),
-                                            .arm = description,
-                                            .software = "palpate " PALPATE_VERSION " (Python)",
-                                            .probe_radius = specimen.object->tip_radius()});
-  do {
-    const probing::CampaignProgress at = campaign.progress();
-    report(at.trials, at.trials + static_cast<int>(at.trials_left));
-  } while (probing::perform_trial(campaign, *arm.prober, store, options.program));
-  store.finish();
-  return probing::read_acquisition(path);
+  LongWork work(progress);
+  return work.run([&, report = work.report()] {
+    probing::Campaign campaign(plan, options);
+    const SimulatedArm arm = make(specimen, options.seed);
+    auto store =
+        probing::CampaignStore::create(path, {.plan = probing::to_text(plan),
+                                              .strategy = probing::to_text(options),
+                                              .arm = description,
+                                              .software = "palpate " PALPATE_VERSION " (Python)",
+                                              .probe_radius = specimen.object->tip_radius()});
+    do {
+      const probing::CampaignProgress at = campaign.progress();
+      report(at.trials, at.trials + static_cast<int>(at.trials_left));
+    } while (probing::perform_trial(campaign, *arm.prober, store, options.program));
+    store.finish();
+    return probing::read_acquisition(path);
+  });
 }
 
 void add_probe(py::module_& module) {

@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "long_work.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/surface_query.h"
@@ -275,6 +276,7 @@ void add_registration(py::module_& module) {
          const py::object& start, double search_rotation, double search_translation,
          double min_overlap, double max_rms, int max_iterations, const py::object& progress) {
         const Points given(points, "points");
+        LongWork work(progress);
         const geometry::RegistrationOptions options{
             .method = choose<RegistrationMethod>(
                 "method", method,
@@ -287,9 +289,9 @@ void add_registration(py::module_& module) {
             .min_overlap = min_overlap,
             .max_rms = max_rms,
             .max_iterations = max_iterations,
-            .progress = reporting(progress)};
-        const Unlocked unlocked;
-        return geometry::register_points(given.columns(), target, options);
+            .progress = work.report()};
+        return work.run(
+            [&] { return geometry::register_points(given.columns(), target, options); });
       },
       arg("points"), arg("target"), kw_only(), arg("method") = "point_to_triangle",
       arg("start") = py::none(),

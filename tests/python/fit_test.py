@@ -78,6 +78,25 @@ class Fitting(unittest.TestCase):
             signal.signal(signal.SIGPROF, before)
         self.assertLess(time.process_time() - start, 0.7 * self.whole_time)
 
+    def test_ctrl_c_is_heard_while_a_fit_reports(self):
+        heard = threading.Event()
+
+        def hear(*_):
+            heard.set()
+            raise KeyboardInterrupt
+
+        def interrupt(count, total):
+            os.kill(os.getpid(), signal.SIGINT)
+            heard.wait(10)
+
+        before = signal.signal(signal.SIGINT, hear)
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                palpate.fit(self.acquisition, self.surface, progress=interrupt)
+        finally:
+            signal.signal(signal.SIGINT, before)
+        self.assertTrue(heard.is_set())
+
     def test_what_progress_raises_ends_a_fit(self):
         def stop(count, total):
             raise RuntimeError("enough")
