@@ -1,14 +1,17 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // The whole way through the command, as the README shows it.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cgal_availability.h"
+#include "palpate/haptics/evaluate.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -157,6 +160,37 @@ TEST_F(WayOfTheData, MeasurementsBecomeAModelThatIsAsGoodAsTheReadmeSays) {
   EXPECT_EQ(left_out["per_contact"].size(), 46u);
   EXPECT_LT(left_out["interior_rms"], kMargin * 0.10);
   EXPECT_LT(left_out["border_rms"], kMargin * 0.25);
+}
+
+TEST_F(WayOfTheData, QueriesOfOtherSignsAndColumnsAreToldAsSuch) {
+  const std::vector<haptics::Query> right = haptics::read_queries(demo("sheet/queries.csv"));
+  const auto said_of = [&](const auto& change) {
+    std::string table = "cx,cy,cz,dx,dy,dz,fx,fy,fz";
+    for (haptics::Query query : right) {
+      change(query);
+      const Eigen::Vector3d &c = query.contact, &d = query.displacement, &f = query.force;
+      table += fmt::format("\n{},{},{},{},{},{},{},{},{}", c.x(), c.y(), c.z(), d.x(), d.y(), d.z(),
+                           f.x(), f.y(), f.z());
+    }
+    write_text(scratch / "queries.csv", table);
+    const CommandResult result =
+        run_palpate({"evaluate", (sheet().folder.path() / "model").string(), "--queries",
+                     scratch / "queries.csv", "--json"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    const nlohmann::json warnings = nlohmann::json::parse(result.out)["warnings"];
+    return warnings.empty() ? "nothing" : warnings[0]["kind"].get<std::string>();
+  };
+  EXPECT_EQ(said_of([](haptics::Query&) {}), "nothing");
+  EXPECT_EQ(said_of([](haptics::Query& query) { query.force *= -1; }), "queries_scaled");
+  EXPECT_EQ(said_of([](haptics::Query& query) { query.force *= 1000; }), "queries_scaled");
+  EXPECT_EQ(said_of([](haptics::Query& query) { query.displacement *= -1; }),
+            "queries_unexplained");
+  EXPECT_EQ(said_of([](haptics::Query& query) { query.displacement /= 1000; }),
+            "queries_unexplained");
+  EXPECT_EQ(said_of([](haptics::Query& query) {
+              std::swap(query.displacement.x(), query.displacement.z());
+            }),
+            "queries_unexplained");
 }
 
 TEST_F(WayOfTheData, APlayedTraceIsTheSameOnEveryRunAndForEveryNumberOfThreads) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,6 +16,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/plausible.h"
 #include "shared/progress.h"
 #include "shared/words.h"
 
@@ -22,6 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+// Share of the squared forces that a model of the same object explains at least.
+constexpr double kSameForces = 0.5;
+// Forces that are this many times as large, or as small, seem to have another unit.
+constexpr double kOtherUnit = 3;
 
 struct EvaluateCall {
   fs::path model, queries, acquisition, picture;
@@ -107,6 +115,25 @@ haptics::QueryErrors compare_with_queries(const haptics::Model& model, const Eva
   }
 }
 
+/// Warns of queries that seem to have other signs, units or columns.
+void tell_odd_queries(const haptics::QueryErrors& errors, const fs::path& queries, Json& warnings) {
+  const double scale = errors.scale.value_or(1), size = std::abs(scale);
+  const bool is_scaled = scale < 0 || size > kOtherUnit || size < 1 / kOtherUnit;
+  if (is_scaled && errors.explained_if_scaled.value_or(0) > kSameForces) {
+    warn(
+        warnings, "queries_scaled",
+        fmt::format("{}: the forces are about {} times those of the model. A query has the "
+                    "displacement of the tool [mm] and the force on the object [N]; other signs or "
+                    "units would explain this",
+                    queries.string(), std::round(1000 * scale) / 1000));
+  } else if (errors.explained.value_or(1) < kSameForces) {
+    warn(warnings, "queries_unexplained",
+         fmt::format("{}: the model explains {:.0f} % of the squared forces. Other signs, units or "
+                     "columns would explain this, or another object",
+                     queries.string(), std::max(0.0, 100 * *errors.explained)));
+  }
+}
+
 void evaluate(const Settings& settings, const EvaluateCall& call) {
   if (call.queries.empty() && call.acquisition.empty()) {
     throw InvalidInput(
@@ -118,7 +145,7 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
   }
   check_outputs({call.model, call.queries, call.acquisition}, {call.picture});
   const haptics::Model model = haptics::read_model(call.model);
-  Json figures;
+  Json figures, warnings = Json::array();
   std::string prose;
   if (!call.queries.empty()) {
     const haptics::QueryErrors errors = compare_with_queries(model, call);
@@ -126,10 +153,12 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
                           {"rms", errors.rms},
                           {"median", errors.median},
                           {"p90", errors.p90},
-                          {"stated", to_json(errors.stated)}};
+                          {"stated", to_json(errors.stated)},
+                          {"explained", number_or_null(errors.explained)}};
     prose += fmt::format(
         "Against {} queries: RMS {:.4f} N, median {:.4f} N, 90 % within {:.4f} N; {}\n",
         errors.count, errors.rms, errors.median, errors.p90, stated_in_words(errors.stated));
+    tell_odd_queries(errors, call.queries, warnings);
   }
   if (!call.acquisition.empty()) {
     const haptics::LeaveOneOut errors = predict(model, call);
@@ -144,6 +173,7 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
         unknown);
   }
   figures["unknown_friction"] = haptics::unknown_friction_count(model);
+  figures["warnings"] = warnings;
   prose.pop_back();
   print(settings, figures, prose);
 }

@@ -118,6 +118,24 @@ std::optional<double> expected_error(const BlendedField& field, const Blend& at,
   return covariance.amplitude(2) * std::sqrt(predicted.variance) * std::abs(stiffness);
 }
 
+// Sums of products of a model's forces and known ones.
+struct ForceSums {
+  double model = 0, product = 0, known = 0;  // [N^2]
+
+  void add(const Eigen::Vector3d& model_force, const Eigen::Vector3d& known_force) {
+    model += model_force.squaredNorm();
+    product += model_force.dot(known_force);
+    known += known_force.squaredNorm();
+  }
+  void explain(QueryErrors& errors) const {
+    if (!(known > 0)) return;
+    errors.explained = (2 * product - model) / known;
+    if (!(model > 0)) return;
+    errors.scale = product / model;
+    errors.explained_if_scaled = product * product / (model * known);
+  }
+};
+
 // Sums of squared errors, as stated and relative to that.
 struct StatedSums {
   double stated = 0, relative = 0, count = 0;
@@ -264,6 +282,7 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
   const BlendedField field(model);
   std::vector<double> errors;
   StatedSums stated;
+  ForceSums forces;
   const auto name_of = [&](std::size_t i) {
     return "query " + std::to_string(i + 1) + " of " + std::to_string(queries.size());
   };
@@ -278,7 +297,9 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                          std::to_string(options.max_distance) +
                          " mm are allowed. Check that queries and model are in one frame");
     }
-    errors.push_back((field.force(query.contact, query.displacement) - query.force).norm());
+    const Eigen::Vector3d force = field.force(query.contact, query.displacement);
+    errors.push_back((force - query.force).norm());
+    forces.add(force, query.force);
     if (const auto deviation = field.deviation(query.contact, query.displacement))
       stated.add(errors.back(), *deviation);
     if (!std::isfinite(errors.back()))
@@ -286,8 +307,10 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                         " is not finite; the model is broken");
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
-  return {static_cast<int>(statistics.count), statistics.rms, statistics.median, statistics.p90,
-          stated.errors()};
+  QueryErrors result{static_cast<int>(statistics.count), statistics.rms, statistics.median,
+                     statistics.p90, stated.errors()};
+  forces.explain(result);
+  return result;
 }
 
 LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition& acquisition,

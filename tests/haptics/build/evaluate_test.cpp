@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "build/made.h"
 #include "build/synthetic_acquisition.h"
+#include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/build_model.h"
 
 namespace palpate::haptics {
@@ -28,20 +30,43 @@ TEST(EvaluateQueries, ReadsThemFromATable) {
   EXPECT_THAT(refusal([&] { return read_queries(folder / "q.csv"); }), HasSubstr("q.csv"));
 }
 
+TEST(EvaluateQueries, TellsForcesOfOtherSignsAndUnits) {
+  const Model model = sheet_model();
+  const BlendedField field(model);
+  for (const double scale : {1.0, -1.0, 1000.0}) {
+    std::vector<Query> queries;
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Vector3d contact(i, 2, 700), displacement(0.1 * i, 0, 3);
+      queries.push_back({contact, displacement, scale * field.force(contact, displacement)});
+    }
+    const QueryErrors errors = evaluate_queries(model, queries);
+    EXPECT_NEAR(errors.scale.value(), scale, 1e-12 * std::abs(scale));
+    EXPECT_NEAR(errors.explained_if_scaled.value(), 1, 1e-12);
+    EXPECT_NEAR(errors.explained.value(), 1 - std::pow(1 - 1 / scale, 2), 1e-12);
+    for (Query& query : queries) query.force.setZero();
+    EXPECT_FALSE(evaluate_queries(model, queries).explained);
+    for (Query& query : queries) query = {query.contact, Eigen::Vector3d::Zero(), {0, 0, 1}};
+    EXPECT_FALSE(evaluate_queries(model, queries).scale);
+  }
+}
+
 TEST(EvaluateQueries, SumsUpTheLengthsOfTheErrors) {
   const Model model = sheet_model();
   std::vector<Query> queries;
+  double known = 0;  // squared forces
   for (int i = 1; i <= 10; ++i) {
     const Eigen::Vector3d displacement(0.1 * i, 0, 3);
     const Eigen::Vector3d truth = 4 * displacement / std::hypot(displacement.norm(), 10);
     queries.push_back(
         {{1.0 * i, 2, 700}, displacement, truth + Eigen::Vector3d(0, 0.6 * i, -0.8 * i)});
+    known += queries.back().force.squaredNorm();
   }
   const QueryErrors errors = evaluate_queries(model, queries);  // 1, 2, ..., 10
   EXPECT_EQ(errors.count, 10);
   EXPECT_NEAR(errors.rms, std::sqrt(38.5), 1e-9);
   EXPECT_NEAR(errors.median, 5.5, 1e-9);
   EXPECT_NEAR(errors.p90, 9.1, 1e-9);
+  EXPECT_NEAR(errors.explained.value(), 1 - 385 / known, 1e-9);
   EXPECT_THAT(refusal([&] { return evaluate_queries(model, {}); }), HasSubstr("no query"));
   queries[3].force.y() = std::nan("");
   EXPECT_THAT(refusal([&] { return evaluate_queries(model, queries); }),
