@@ -12,6 +12,7 @@
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/cloud_shapes.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -149,8 +150,9 @@ void mark_clusters(WorkedCloud& worked, double max_gap, const CloudSettings& set
   worked.found_what = "largest cluster";
   const Eigen::Index known = known_count(worked.cloud);
   note_step(worked, "cluster", known, {{"sizes", clusters.sizes}, {"in_none", known - inside}},
-            fmt::format("{} cluster(s), the largest of {} points; {} points are in none",
-                        clusters.sizes.size(), clusters.sizes.front(), known - inside));
+            fmt::format("{}, the largest of {} points; {} points are in none",
+                        counted(clusters.sizes.size(), "cluster"), clusters.sizes.front(),
+                        known - inside));
 }
 
 void keep_found(WorkedCloud& worked) {

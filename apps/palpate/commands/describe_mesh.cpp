@@ -19,6 +19,7 @@
 #include "palpate/geometry/point_file.h"
 #include "palpate/geometry/self_intersections.h"
 #include "shared/command_line.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -77,8 +78,8 @@ Description describe_surface(const geometry::TriangleMesh& mesh) {
          {"components", components},
          {"boundary_loops", loops},
          {"euler_characteristic", euler}},
-        fmt::format("area {} mm^2, {} component(s), {} boundary loop(s), Euler characteristic {}",
-                    quantity(area), components, loops, euler)};
+        fmt::format("area {} mm^2, {}, {}, Euler characteristic {}", quantity(area),
+                    counted(components, "component"), counted(loops, "boundary loop"), euler)};
     const auto repeated = (geometry::neighbour_distances(mesh.vertices).array() == 0).count();
     surface.figures["repeated"] = repeated;
     if (repeated > 0) {

@@ -22,6 +22,7 @@
 #include "palpate/sensing/trained_colors.h"
 #include "palpate/sensing/virtual_sensor.h"
 #include "shared/run_record.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -97,8 +98,8 @@ Description describe_response(const fs::path& path) {
     prose += fmt::format("{} {:.3f}", prose.empty() ? "" : ",", curve.gamma);
   }
   return {{{"kind", "response"}, {"channels", response.channels.size()}, {"gamma", gammas}},
-          fmt::format("response of projector and camera, {} channel(s), exponents{}",
-                      response.channels.size(), prose)};
+          fmt::format("response of projector and camera, {}, exponents{}",
+                      counted(response.channels.size(), "channel"), prose)};
 }
 
 std::string text_of(const fs::path& path) {

@@ -168,9 +168,8 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
   }
   if (const int unknown = haptics::unknown_friction_count(model); unknown > 0) {
     prose += fmt::format(
-        "The friction of {} contacts is unknown; their forces hold while the tool "
-        "does not slip\n",
-        unknown);
+        "The friction of {} is unknown; forces there hold while the tool does not slip\n",
+        counted(unknown, "contact"));
   }
   figures["unknown_friction"] = haptics::unknown_friction_count(model);
   figures["warnings"] = warnings;

@@ -296,9 +296,10 @@ std::string per_contact_in_words(const haptics::BuildResult& built) {
 
 std::string fit_in_words(const haptics::BuildResult& built) {
   const geometry::ErrorStatistics statistics = rms_of(built);
-  return fmt::format(
-      "{} contacts in {} triangles; RMS of a contact {:.4f} N in the median, at most {:.4f} N",
-      built.contacts.size(), built.model.triangles.cols(), statistics.median, statistics.max);
+  return fmt::format("{} in {}; RMS of a contact {:.4f} N in the median, at most {:.4f} N",
+                     counted(built.contacts.size(), "contact"),
+                     counted(built.model.triangles.cols(), "triangle"), statistics.median,
+                     statistics.max);
 }
 
 Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {

@@ -163,8 +163,7 @@ void fuse(const Settings& settings, const FuseCall& call) {
   const geometry::MergedScans merged = merge_named(call, scans, names);
   geometry::write_mesh_file(call.output, mesh_file(merged));
   if (!call.picture.empty()) {
-    pictures::draw_mesh(call.picture, merged.mesh,
-                        fmt::format("fused from {} scan(s)", scans.size()),
+    pictures::draw_mesh(call.picture, merged.mesh, "fused from " + counted(scans.size(), "scan"),
                         pictures::MeshPart::whole);
   }
   const int components = geometry::connected_components(merged.mesh).count;
@@ -184,10 +183,11 @@ void fuse(const Settings& settings, const FuseCall& call) {
   figures["registered"] = registered;
   figures["file"] = call.output.string();
   print(settings, figures,
-        prose + fmt::format("{} scan(s) fused on a grid of {:.4g} mm into {} vertices and {} "
-                            "triangles in {} piece(s), written to {}",
-                            scans.size(), merged.spacing, merged.mesh.vertices.cols(),
-                            merged.mesh.triangles.cols(), components, call.output.string()));
+        prose + fmt::format("{} fused on a grid of {:.4g} mm into {} vertices and {} "
+                            "triangles in {}, written to {}",
+                            counted(scans.size(), "scan"), merged.spacing,
+                            merged.mesh.vertices.cols(), merged.mesh.triangles.cols(),
+                            counted(components, "piece"), call.output.string()));
 }
 
 }  // namespace

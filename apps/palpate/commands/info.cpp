@@ -21,6 +21,7 @@
 #include "palpate/sensing/reason_image.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -122,8 +123,8 @@ Description describe_image(const fs::path& path) {
            {"height", image.rows},
            {"channels", image.channels()},
            {"bits", bits}},
-          fmt::format("image, {} x {} px, {} channel(s) of {} bit", image.cols, image.rows,
-                      image.channels(), bits)};
+          fmt::format("image, {} x {} px, {} of {} bits", image.cols, image.rows,
+                      counted(image.channels(), "channel"), bits)};
 }
 
 Description describe_acquisition(const fs::path& path) {
@@ -137,9 +138,9 @@ Description describe_acquisition(const fs::path& path) {
            {"samples", acquisition.samples().size()},
            {"slipped", slipped},
            {"on_friction_boundary", boundary}},
-          fmt::format(
-              "acquisition, {} contacts, {} samples; {} slipped, {} lie on the friction boundary",
-              acquisition.contacts().size(), acquisition.samples().size(), slipped, boundary)};
+          fmt::format("acquisition, {}, {}; {} slipped, {} lie on the friction boundary",
+                      counted(acquisition.contacts().size(), "contact"),
+                      counted(acquisition.samples().size(), "sample"), slipped, boundary)};
 }
 
 std::string friction_in_words(const std::vector<double>& known, int without_own, int bounds) {
@@ -184,14 +185,14 @@ Description describe_model(const fs::path& path) {
   const std::uintmax_t bytes = fs::file_size(path / (is_text ? "field.json" : "field.cbor"));
   const nlohmann::ordered_json made(model.made);
   std::string prose = fmt::format(
-      "model, {} contacts in {} triangles, on a surface of {} vertices\n"
+      "model, {} in {}, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
       "  friction coefficient: {}\n{}"
       "  measured with a ball of {}\n"
       "  {}: {} bytes, {:.0f} a contact",
-      model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols(),
-      base_counts.median, base_counts.max, errors.median, errors.max,
+      counted(model.contacts.size(), "contact"), counted(model.triangles.cols(), "triangle"),
+      model.surface.vertices.cols(), base_counts.median, base_counts.max, errors.median, errors.max,
       friction_in_words(friction, without_friction, bounds), laws_in_words(model),
       model.probe_radius ? fmt::format("{:g} mm radius", *model.probe_radius)
                          : std::string("unknown radius"),
@@ -230,7 +231,7 @@ Description describe_folder(const fs::path& path) {
   if (fs::exists(path / "sensor.yaml", ignored) && fs::is_directory(path / "frames", ignored)) {
     const std::size_t frames = list_frames({path / "frames"}).size();
     return {{{"kind", "simulation"}, {"frames", frames}},
-            fmt::format("simulation of {} frame(s), with their true range maps", frames)};
+            "simulation of " + counted(frames, "frame") + ", with the true range maps"};
   }
   int images_there = 0, meshes = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
@@ -240,7 +241,7 @@ Description describe_folder(const fs::path& path) {
   }
   if (images_there == 0 && meshes > 0) {
     return {{{"kind", "meshes"}, {"meshes", meshes}},
-            fmt::format("folder of {} mesh(es); pass one of them to see what it holds", meshes)};
+            "folder of " + counted(meshes, "mesh", "meshes") + "; pass one to see what it holds"};
   }
   const std::vector<fs::path> files = list_frames({path});
   const auto all_sigmas = std::count_if(files.begin(), files.end(), is_sigma);

@@ -48,8 +48,8 @@ void report(const Settings& settings, const probing::CheckedAcquisition& acquisi
   if (!more.is_null()) figures.update(more);
   figures["output"] = written;
   print(settings, figures,
-        fmt::format("{} contacts and {} samples, written to {}{}", acquisition.contacts().size(),
-                    acquisition.samples().size(), written, also));
+        fmt::format("{} and {}, written to {}{}", counted(acquisition.contacts().size(), "contact"),
+                    counted(acquisition.samples().size(), "sample"), written, also));
 }
 
 /// "px=Fx" gives the column px the name Fx.

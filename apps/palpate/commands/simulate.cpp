@@ -26,6 +26,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -266,9 +267,9 @@ void simulate(const Settings& settings, const SimulateCall& call) {
     for (const ReportLine& line : lines) figures["report"].push_back(report_figures(line));
   }
   if (setup.pattern.multishot) figures["images_of_each"] = setup.panels.size();
-  prose += setup.pattern.multishot
-               ? fmt::format("{} scene(s) of {} images", setup.shots.size(), setup.panels.size())
-               : fmt::format("{} frame(s)", setup.shots.size());
+  prose += setup.pattern.multishot ? counted(setup.shots.size(), "scene") +
+                                         fmt::format(" of {} images", setup.panels.size())
+                                   : counted(setup.shots.size(), "frame");
   print(settings, figures,
         prose + " with their true range maps written to " + call.output.string());
 }

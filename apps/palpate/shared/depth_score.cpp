@@ -10,16 +10,18 @@
 
 #include "palpate/error.h"
 #include "palpate/sensing/frame.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 
 geometry::PixelMask read_mask(const std::filesystem::path& path, const geometry::ImageF& map) {
   const cv::Mat image = sensing::read_frame(path);
   if (image.channels() != 1 || image.rows != map.rows() || image.cols != map.cols()) {
-    throw InvalidInput(fmt::format(
-        "{}: has {} x {} px and {} channel(s); a mask needs the {} x {} px of the range map and "
-        "one channel, whose non-zero pixels count.",
-        path.string(), image.cols, image.rows, image.channels(), map.cols(), map.rows()));
+    throw InvalidInput(
+        fmt::format("{}: has {} x {} px and {}; a mask needs the {} x {} px of the range map and "
+                    "one channel, whose non-zero pixels count.",
+                    path.string(), image.cols, image.rows, counted(image.channels(), "channel"),
+                    map.cols(), map.rows()));
   }
   cv::Mat1b chosen;
   cv::compare(image, 0, chosen, cv::CMP_NE);

@@ -8,6 +8,7 @@
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 
@@ -15,9 +16,9 @@ namespace {
 
 void tell_unknown_friction(const std::filesystem::path& folder, int unknown, double played) {
   if (unknown == 0) return;
-  spdlog::warn(
-      "{}: the friction of {} contacts is unknown; it is played with a coefficient of {:g}{}",
-      folder.string(), unknown, played, played == 0 ? ": the tool slides without friction." : ".");
+  spdlog::warn("{}: the friction of {} is unknown; it is played with a coefficient of {:g}{}",
+               folder.string(), counted(unknown, "contact"), played,
+               played == 0 ? ": the tool slides without friction." : ".");
 }
 
 }  // namespace

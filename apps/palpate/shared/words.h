@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <concepts>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,13 @@ namespace palpate::apps {
 [[nodiscard]] const char* in_words(haptics::RegistrationOutcome outcome);
 /// "passive everywhere", ...
 [[nodiscard]] const char* in_words(haptics::Passivity passivity);
+
+/// "1 mesh", "3 meshes". `many` is the plural if it is not `one` and an s.
+template <std::integral Count>
+[[nodiscard]] std::string counted(Count count, const std::string& one,
+                                  const std::string& many = {}) {
+  return std::to_string(count) + " " + (count == 1 ? one : many.empty() ? one + "s" : many);
+}
 
 /// Replaces the library's names of options in a message ("BuildOptions::max_distance") by those of
 /// the command ("--max-distance"), as given by `names`.

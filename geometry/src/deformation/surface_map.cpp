@@ -52,20 +52,20 @@ void check_topology(const TriangleMesh& source, const TriangleMesh& target) {
   const auto compare = [](const char* what, int of_source, int of_target) {
     if (of_source == of_target) return;
     throw InvalidInput(fmt::format(
-        "map_surface: the source has {} {}, the target {}: surfaces of different topology have no "
-        "sensible map. Fill holes or cut the surfaces so that they agree",
-        of_source, what, of_target));
+        "map_surface: source and target differ in the number of {}, {} and {}: surfaces of "
+        "different topology have no sensible map. Fill holes or cut the surfaces so that they agree",
+        what, of_source, of_target));
   };
   const int components = connected_components(source).count;
-  compare("component(s)", components, connected_components(target).count);
+  compare("components", components, connected_components(target).count);
   if (components != 1) {
     throw InvalidInput(fmt::format(
         "map_surface: the surfaces have {} components; only one in one piece can be mapped",
         components));
   }
-  compare("border loop(s)", static_cast<int>(boundary_loops(source).size()),
+  compare("border loops", static_cast<int>(boundary_loops(source).size()),
           static_cast<int>(boundary_loops(target).size()));
-  compare("as its Euler characteristic", euler_characteristic(source),
+  compare("handles (by the Euler characteristic)", euler_characteristic(source),
           euler_characteristic(target));
 }
 

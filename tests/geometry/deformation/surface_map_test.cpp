@@ -187,8 +187,8 @@ TEST(MapSurface, RefusesOtherTopologyAndBadOptions) {
       (Eigen::Matrix3Xi(3, holed.triangles.cols() - 1) << holed.triangles.leftCols(211),
        holed.triangles.rightCols(holed.triangles.cols() - 212))
           .finished();
-  expect_says(refused_map(hills(), holed, landmarks), "border loop(s)");
-  expect_says(refused_map(hills(), test::icosphere(2, 30), landmarks), "border loop(s)");
+  expect_says(refused_map(hills(), holed, landmarks), "border loops");
+  expect_says(refused_map(hills(), test::icosphere(2, 30), landmarks), "border loops");
   SurfaceMapOptions options;
   options.max_bad_share = 2;
   expect_says(refused_map(hills(), hills(), landmarks, options), "max_bad_share");
