@@ -53,7 +53,8 @@ void check_topology(const TriangleMesh& source, const TriangleMesh& target) {
     if (of_source == of_target) return;
     throw InvalidInput(fmt::format(
         "map_surface: source and target differ in the number of {}, {} and {}: surfaces of "
-        "different topology have no sensible map. Fill holes or cut the surfaces so that they agree",
+        "different topology have no sensible map. Fill holes or cut the surfaces so that they "
+        "agree",
         what, of_source, of_target));
   };
   const int components = connected_components(source).count;

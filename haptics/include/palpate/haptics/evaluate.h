@@ -41,8 +41,8 @@ struct QueryErrors {
   double median = 0;  ///< quantiles are interpolated linearly
   double p90 = 0;
   std::optional<StatedErrors> stated = std::nullopt;  ///< if the model states errors
-  /// Share of the squared forces that the model explains, 1 - sum |error|^2 / sum |force|^2; none if
-  /// all forces are zero.
+  /// Share of the squared forces that the model explains, 1 - sum |error|^2 / sum |force|^2; none
+  /// if all forces are zero.
   std::optional<double> explained = std::nullopt;
   /// Factor of the model's forces with which the errors would be least, and the share explained
   /// then: a factor far from 1 with a large share tells that the queries have other signs or units.
