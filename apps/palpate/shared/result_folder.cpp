@@ -2,13 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/result_folder.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <system_error>
 #include <utility>
 
@@ -58,35 +54,19 @@ ResultFolder::ResultFolder(fs::path folder, List list, Unfinished unfinished)
       is_new_(!is_there(folder_)) {
   std::error_code failed;
   fs::create_directories(folder_, failed);
-  lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ == -1) {
-    throw OutputError(folder_.string() +
-                      ": cannot be written: " + std::generic_category().message(errno) + ".");
-  }
-  try {
-    // On a file system without locks, concurrent runs are not detected.
-    if (::flock(lock_, LOCK_EX | LOCK_NB) == -1 && errno == EWOULDBLOCK) {
-      throw OutputError(folder_.string() +
-                        ": another run of palpate is writing into this folder. Wait until it has "
-                        "ended, or choose another folder.");
-    }
-    remove_left_overs(folder_);
-    put_in_place();
-    const bool has_results = !list_(folder_).empty();
-    const bool goes_on = unfinished_ == Unfinished::resumed && is_there(folder_ / kWriting);
-    const bool beside = goes_on || (has_results && unfinished_ != Unfinished::resumed);
-    place_ = beside ? folder_ / kWriting : folder_;
-  } catch (...) {
-    ::close(lock_);
-    throw;
-  }
+  lock_.emplace(folder_);
+  remove_left_overs(folder_);
+  put_in_place();
+  const bool has_results = !list_(folder_).empty();
+  const bool goes_on = unfinished_ == Unfinished::resumed && is_there(folder_ / kWriting);
+  const bool beside = goes_on || (has_results && unfinished_ != Unfinished::resumed);
+  place_ = beside ? folder_ / kWriting : folder_;
 }
 
 ResultFolder::~ResultFolder() {
   std::error_code ignored;
   if (replaces() && unfinished_ == Unfinished::dropped) fs::remove_all(place_, ignored);
   if (is_new_) fs::remove(folder_, ignored);  // if nothing was written
-  ::close(lock_);
 }
 
 std::string ResultFolder::what_is_kept(std::size_t frames, std::size_t all) const {

@@ -5,8 +5,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "shared/folder_lock.h"
 
 namespace palpate::apps {
 
@@ -17,8 +20,7 @@ namespace palpate::apps {
 /// are none, or the earlier run is resumed, it writes into the folder itself. So a folder never
 /// holds files of two runs.
 ///
-/// Only one run at a time may write into a folder. The lock is released when the process ends,
-/// however it ends.
+/// Only one run at a time may write into a folder.
 class ResultFolder {
  public:
   /// Lists the results of a finished run in a folder, relative to it. May throw InvalidInput if
@@ -67,7 +69,7 @@ class ResultFolder {
   Unfinished unfinished_;
   std::filesystem::path place_;
   bool is_new_ = false;  ///< made by this run
-  int lock_ = -1;
+  std::optional<FolderLock> lock_;
 };
 
 /// Checks, for readers, that the results in `folder` are those of one run.

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/folder_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+#include "palpate/error.h"
+
+namespace palpate::apps {
+
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : handle_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (handle_ == -1) {
+    throw OutputError(folder.string() +
+                      ": cannot be written: " + std::generic_category().message(errno) + ".");
+  }
+  if (::flock(handle_, LOCK_EX | LOCK_NB) == -1 && errno == EWOULDBLOCK) {
+    ::close(handle_);
+    throw OutputError(folder.string() +
+                      ": another run of palpate is writing into this folder. Wait until it has "
+                      "ended, or choose another folder.");
+  }
+}
+
+FolderLock::~FolderLock() { ::close(handle_); }
+
+}  // namespace palpate::apps

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+namespace palpate::apps {
+
+/// Lets only one run of the program at a time write into a folder. The lock ends with the process,
+/// however that ends.
+class FolderLock {
+ public:
+  /// On a file system without locks, concurrent runs are not detected.
+  /// \throws OutputError if another run has the lock, or if there is no such folder.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int handle_ = -1;
+};
+
+}  // namespace palpate::apps
