@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "commands/capture.h"
+#include "commands/all_commands.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
@@ -19,23 +19,11 @@
 namespace palpate::apps {
 namespace {
 
-void add_calibrate(CLI::App& app, const Settings& settings) {
-  CLI::App* calibrate = app.add_subcommand(
-      "calibrate", "Calibrate rig, response, colours, crosstalk or chromatic aberration");
-  calibrate->require_subcommand(1);
-  add_calibrate_rig(*calibrate, settings);
-  add_calibrate_colors(*calibrate, settings);
-  add_calibrate_chromatic(*calibrate, settings);
-  add_calibrate_response(*calibrate, settings);
-  add_calibrate_crosstalk(*calibrate, settings);
-}
-
 int run(int argc, char** argv) {
   CLI::App app("Palpate turns real deformable objects into models that can be seen and felt.",
                "palpate");
   app.footer("Start with:  palpate demo\nHelp for a command:  palpate COMMAND --help");
   app.set_version_flag("--version", PALPATE_VERSION);
-  app.require_subcommand(1);
   app.fallthrough();
 
   Settings settings;
@@ -65,29 +53,7 @@ int run(int argc, char** argv) {
                                        : spdlog::level::debug);
   });
 
-  add_demo(app, settings);
-  add_pattern(app, settings);
-  add_calibrate(app, settings);
-  add_capture(app, settings);
-  add_simulate(app, settings);
-  add_decode(app, settings);
-  add_mesh(app, settings);
-  add_cloud(app, settings);
-  add_path(app, settings);
-  add_fuse(app, settings);
-  add_track(app, settings);
-  add_compare(app, settings);
-  add_probe(app, settings);
-  add_bake(app, settings);
-  add_fit(app, settings);
-  add_merge(app, settings);
-  add_transfer(app, settings);
-  add_identify(app, settings);
-  add_evaluate(app, settings);
-  add_play(app, settings);
-  add_export(app, settings);
-  add_info(app, settings);
-  refuse_empty_values(app);
+  add_commands(app, settings);
 
   try {
     app.parse(argc, argv);

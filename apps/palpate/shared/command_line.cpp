@@ -31,6 +31,10 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
            const std::string& prose) {
   // JSON must be UTF-8, but file names need not be.
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  if (settings.figures != nullptr) {
+    *settings.figures = figures;
+    return;
+  }
   if (settings.quiet && !settings.json) return;
   std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
 }

@@ -22,6 +22,8 @@ constexpr double kLeastScale = 1e-3;
 struct Settings {
   bool json = false;   ///< print the figures as one JSON object instead of text
   bool quiet = false;  ///< print no text
+  /// Where the figures go instead, if a command is a step of another one; then nothing is printed.
+  nlohmann::ordered_json* figures = nullptr;
 };
 
 /// Group of the options that all commands have, in their help.
