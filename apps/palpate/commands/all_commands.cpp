@@ -43,6 +43,7 @@ void add_commands(CLI::App& app, const Settings& settings) {
   add_evaluate(app, settings);
   add_play(app, settings);
   add_export(app, settings);
+  add_run(app, settings);
   add_info(app, settings);
   refuse_empty_values(app);
 }

@@ -15,6 +15,7 @@
 
 #include "commands/capture_files.h"
 #include "commands/decode_record.h"
+#include "commands/describe_project.h"
 #include "palpate/error.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
@@ -148,11 +149,13 @@ Description describe_yaml(const fs::path& path) {
   if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
   if (text.find("variance") != std::string::npos) return describe_colors(path);
   if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
-  throw FileError(
-      path.string() +
-      ": neither a rig (projector_matrix), nor a camera (camera_matrix), nor a pattern "
-      "(period_px), nor trained colours "
-      "(variance), nor a response (gamma_deviation), nor a virtual sensor (read_noise).");
+  if (is_project(text)) return describe_project(path);
+  throw FileError(path.string() +
+                  ": neither a rig (projector_matrix), nor a camera (camera_matrix), nor a pattern "
+                  "(period_px), nor trained colours "
+                  "(variance), nor a response (gamma_deviation), nor a virtual sensor "
+                  "(read_noise), nor a project "
+                  "(sections such as decode, fit).");
 }
 
 Description describe_csv(const fs::path& path) {

@@ -8,7 +8,8 @@
 
 namespace palpate::apps {
 
-/// Describes a file of settings (YAML): rig, camera, pattern, trained colours, response, sensor.
+/// Describes a file of settings (YAML): rig, camera, pattern, trained colours, response, sensor,
+/// project.
 /// \throws FileError if it is none of these, or damaged.
 [[nodiscard]] Description describe_yaml(const std::filesystem::path& path);
 

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "commands/describe_mesh.h"
+#include "commands/describe_project.h"
 #include "commands/describe_text.h"
+#include "commands/project_record.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
@@ -268,6 +270,7 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
   if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
   if (path.filename() == "decode.jsonl" || path.filename() == "capture.jsonl")
     return describe_record(path);
+  if (extension == kProjectRecordEnding) return describe_project_record(path);
   if (extension == ".csv") return describe_csv(path);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")
     return describe_model(path.parent_path());

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/project_record.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <ostream>
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kKind = "record of palpate run";
+// Of the record; raised when the meaning of a member changes.
+constexpr int kVersion = 1;
+
+Json to_json(const StepRecord& record) {
+  return {{"finished", record.finished}, {"palpate", record.version}, {"entries", record.entries},
+          {"inputs", record.inputs},     {"writes", record.writes},   {"outputs", record.outputs},
+          {"seconds", record.seconds},   {"figures", record.figures}};
+}
+
+StepRecord to_record(const Json& json) {
+  return {.finished = json.at("finished"),
+          .version = json.at("palpate"),
+          .entries = json.at("entries"),
+          .inputs = json.at("inputs"),
+          .writes = json.at("writes"),
+          .outputs = json.at("outputs"),
+          .seconds = json.at("seconds"),
+          .figures = json.at("figures")};
+}
+
+std::string to_text(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace
+
+ProjectRecord::ProjectRecord(fs::path file) : file_(std::move(file)) {
+  if (!is_there(file_)) return;
+  try {
+    std::ifstream stream(file_, std::ios::binary);
+    const Json json = Json::parse(stream);
+    if (json.at("kind") != kKind || json.at("version") != kVersion)
+      throw FileError(file_.string() + ": is a record of another program or version.");
+    for (const auto& [step, record] : json.at("steps").items()) steps_[step] = to_record(record);
+  } catch (const Json::exception& error) {
+    throw FileError(fmt::format(
+        "{}: is not a record of palpate run ({}). Without it nothing is known of the results "
+        "beside it: to begin anew, move it and them elsewhere.",
+        file_.string(), error.what()));
+  }
+}
+
+const StepRecord* ProjectRecord::find(const std::string& step) const {
+  const auto found = steps_.find(step);
+  return found == steps_.end() ? nullptr : &found->second;
+}
+
+void ProjectRecord::put(const std::string& step, StepRecord record) {
+  steps_[step] = std::move(record);
+  Json steps = Json::object();
+  for (const auto& [name, known] : steps_) steps[name] = to_json(known);
+  write_file(file_, [&](std::ostream& out) {
+    out << to_text({{"kind", kKind}, {"version", kVersion}, {"steps", steps}});
+  });
+}
+
+StepRecord as_stored(const StepRecord& record) {
+  return to_record(Json::parse(to_text(to_json(record))));
+}
+
+}  // namespace palpate::apps

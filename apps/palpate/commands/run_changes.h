@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace palpate::apps {
+
+/// The content of files, by their paths.
+using Fingerprints = std::map<std::string, std::string>;
+
+/// What `palpate run` knows of a step that it has done, or has begun.
+// NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
+struct StepRecord {
+  bool finished = false;
+  std::string version = {};         ///< of palpate
+  nlohmann::json entries = {};      ///< as in `StepCall`
+  Fingerprints inputs = {};         ///< before it began
+  std::vector<std::string> writes;  ///< the files and folders that it was to write
+  Fingerprints outputs = {};        ///< what it has written; empty if it is not finished
+  double seconds = 0;
+  nlohmann::ordered_json figures = nlohmann::ordered_json::object();
+};
+
+/// Reads files, and all files in folders. Hidden files and records (.jsonl), which hold times, do
+/// not count. Beside a range map, what its command reads too: the rig, and the files that `palpate
+/// decode` writes for the same frame. Paths that do not exist are left out.
+[[nodiscard]] Fingerprints fingerprints_of(const std::vector<std::filesystem::path>& paths);
+
+/// Why a step is to be done that was done, or begun, before: in words, the most important first;
+/// empty if nothing has changed.
+/// \param now what it would be done with.
+/// \param there its outputs that exist.
+[[nodiscard]] std::vector<std::string> changes_since(const StepRecord& before,
+                                                     const StepRecord& now,
+                                                     const Fingerprints& there);
+
+/// Whether nothing has changed since a step that did not finish began.
+[[nodiscard]] bool can_be_resumed(const StepRecord& before, const StepRecord& now);
+
+/// Checks that all files where a step would write are as `palpate run` has left them.
+/// \param before null if the step was never begun.
+/// \throws InvalidInput that names the first that is not, and what to do.
+void check_own(const std::string& step, const StepRecord* before, const Fingerprints& there);
+
+}  // namespace palpate::apps
