@@ -75,8 +75,4 @@ void ProjectRecord::put(const std::string& step, StepRecord record) {
   });
 }
 
-StepRecord as_stored(const StepRecord& record) {
-  return to_record(Json::parse(to_text(to_json(record))));
-}
-
 }  // namespace palpate::apps

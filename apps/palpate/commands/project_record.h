@@ -34,8 +34,4 @@ class ProjectRecord {
   std::map<std::string, StepRecord> steps_;
 };
 
-/// A record as it is when it comes back from its file, in which texts are UTF-8 and names of files
-/// need not be.
-[[nodiscard]] StepRecord as_stored(const StepRecord& record);
-
 }  // namespace palpate::apps

@@ -126,14 +126,13 @@ StepOutcome do_step(const StepCall& call, const std::string& reason, StepRecord 
   const std::string& name = call.step->name;
   const StepRecord* const before = record.find(name);
   const bool goes_on = before != nullptr && can_be_resumed(*before, now);
-  if (before != nullptr) now.outputs = before->outputs;
   record.put(name, now);
   const Clock::time_point start = Clock::now();
   now.figures = call_step(call, goes_on);
   now.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   now.finished = true;
   now.outputs = fingerprints_of(call.outputs);
-  record.put(name, as_stored(now));
+  record.put(name, now);
   return {.step = name,
           .status = "done",
           .reason = reason,
@@ -141,22 +140,28 @@ StepOutcome do_step(const StepCall& call, const std::string& reason, StepRecord 
           .figures = now.figures};
 }
 
-void do_steps(const std::vector<StepCall>& calls, ProjectRecord& record, RunReport& report) {
-  for (const StepCall& call : calls) {
-    const std::string& name = call.step->name;
-    StepPlan plan;
+/// What becomes of a step that is planned like this, once all earlier ones are done.
+/// \param plan gets the reason, also if the step fails.
+StepOutcome settle(const StepCall& call, StepPlan& plan, ProjectRecord& record) {
+  const std::string& name = call.step->name;
+  if (plan.need != StepNeed::none) {
+    const StepRecord now = now_of(call);
+    plan = plan_step(call, record.find(name), now);
+    if (plan.need != StepNeed::none) return do_step(call, plan.reason, now, record);
+  }
+  return {.step = name, .status = "unchanged", .figures = record.find(name)->figures};
+}
+
+void do_steps(const std::vector<StepCall>& calls, std::vector<StepPlan> plans,
+              ProjectRecord& record, RunReport& report) {
+  for (std::size_t i = 0; i < calls.size(); ++i) {
+    const ProjectStep& step = *calls[i].step;
     try {
-      const StepRecord now = now_of(call);
-      plan = plan_step(call, record.find(name), now);
-      StepOutcome outcome;
-      if (plan.need == StepNeed::none)
-        outcome = {.step = name, .status = "unchanged", .figures = record.find(name)->figures};
-      else
-        outcome = do_step(call, plan.reason, now, record);
-      const std::string figure = figure_in_words(*call.step, outcome.figures);
+      StepOutcome outcome = settle(calls[i], plans[i], record);
+      const std::string figure = figure_in_words(step, outcome.figures);
       report.add(std::move(outcome), figure);
     } catch (...) {
-      report.add({.step = name, .status = "failed", .reason = plan.reason}, {});
+      report.add({.step = step.name, .status = "failed", .reason = plans[i].reason}, {});
       report.finish();
       throw;
     }
@@ -194,11 +199,10 @@ void run_project(const Settings& settings, RunProjectCall call) {
   fs::create_directories(folder, failed);
   const FolderLock lock(folder);
   ProjectRecord record(record_file);
-  (void)plan_steps(calls, record);  // refuses before the first step what the last would refuse
   try {
-    do_steps(calls, record, report);
+    do_steps(calls, plan_steps(calls, record), record, report);
   } catch (Interrupted& interrupted) {
-    interrupted.message += "; palpate run " + call.project.string() + " goes on";
+    interrupted.message += "; to continue, call palpate run again";
     throw;
   }
 }

@@ -96,7 +96,7 @@ class CallMaker {
     for (const std::string& name : step.outputs) add_paths(values, name, call.outputs);
     check_inputs(call, section);
     check_outputs_apart(call, section);
-    made_.push_back({step.name, std::move(values), call.outputs});
+    made_.push_back({step.name, std::move(values), call.inputs, call.outputs});
     return call;
   }
 
@@ -105,7 +105,7 @@ class CallMaker {
   struct Made {
     std::string step;
     Values values;
-    std::vector<fs::path> outputs;
+    std::vector<fs::path> inputs, outputs;
   };
 
   [[noreturn]] void refuse(const ProjectSection& section, int line, const std::string& what) const {
@@ -236,9 +236,8 @@ class CallMaker {
   }
 
   void check(const std::vector<std::string>& words, const ProjectSection& section) {
-    std::optional<std::string> refusal = refusal_of(words);
+    const std::optional<std::string> refusal = refusal_of(words);
     if (!refusal) return;
-    while (refusal->ends_with('.')) refusal->pop_back();
     for (const ProjectEntry& entry : section.entries)
       if (names_option(*refusal, "--" + entry.name)) refuse(section, entry.line, *refusal);
     refuse(section, section.line, *refusal);
@@ -284,21 +283,29 @@ class CallMaker {
     return section.line;
   }
 
+  /// Checks that no output is an input, or another output, or holds one or lies in one.
   void check_outputs_apart(const StepCall& call, const ProjectSection& section) const {
-    std::vector<fs::path> own;
+    std::vector<fs::path> taken;
     for (const fs::path& output : call.outputs) {
-      const auto meets = [&](const fs::path& other) {
-        return lies_in(output, other) || lies_in(other, output);
-      };
-      for (const Made& made : made_)
-        if (std::ranges::any_of(made.outputs, meets))
-          refuse(section, line_of(section, output),
-                 fmt::format("{}: is also written by {}; give one of them another name ({})",
-                             output.string(), made.step, call.step->result_entry));
-      if (std::ranges::any_of(own, meets) || lies_in(results_, output))
+      const auto refuse_for = [&](const fs::path& other, const std::string& what) {
         refuse(section, line_of(section, output),
-               output.string() + ": is or holds another result; give it another name");
-      own.push_back(output);
+               fmt::format("{}: is, holds or lies in {}, {}; give it another name ({})",
+                           output.string(), other.empty() ? "." : other.string(), what,
+                           call.step->result_entry));
+      };
+      if (lies_in(results_, output)) refuse_for(results_, "the folder of all results");
+      for (const fs::path& other : taken)
+        if (lies_in(output, other) || lies_in(other, output)) refuse_for(other, "which it writes");
+      for (const fs::path& input : call.inputs)
+        if (lies_in(output, input) || lies_in(input, output)) refuse_for(input, "which it reads");
+      for (const Made& made : made_) {
+        for (const fs::path& other : made.outputs)
+          if (lies_in(output, other) || lies_in(other, output))
+            refuse_for(other, "which " + made.step + " writes");
+        for (const fs::path& input : made.inputs)
+          if (lies_in(output, input)) refuse_for(input, "which " + made.step + " reads");
+      }
+      taken.push_back(output);
     }
   }
 
@@ -313,7 +320,10 @@ class CallMaker {
 }  // namespace
 
 bool lies_in(const fs::path& path, const fs::path& folder) {
-  const fs::path relative = path.lexically_normal().lexically_relative(folder.lexically_normal());
+  const auto place = [](const fs::path& name) {
+    return (fs::current_path() / name).lexically_normal();
+  };
+  const fs::path relative = place(path).lexically_relative(place(folder));
   return !relative.empty() && *relative.begin() != "..";
 }
 

@@ -21,13 +21,17 @@ using nlohmann::json;
 
 bool counts(const fs::path& file) { return !is_hidden(file) && file.extension() != ".jsonl"; }
 
+void add_file(const fs::path& file, Fingerprints& files) {
+  files[in_utf8(file.generic_string())] = fingerprint(file);
+}
+
 void add_folder(const fs::path& folder, Fingerprints& files) {
   for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator();
        ++at) {
     if (at->is_directory()) {
       if (is_hidden(at->path())) at.disable_recursion_pending();
     } else if (counts(at->path())) {
-      files[at->path().generic_string()] = fingerprint(at->path());
+      add_file(at->path(), files);
     }
   }
 }
@@ -86,6 +90,10 @@ std::vector<std::string> causes(const StepRecord& before, const StepRecord& now)
 
 }  // namespace
 
+json in_utf8(const json& texts) {
+  return json::parse(texts.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
 Fingerprints fingerprints_of(const std::vector<fs::path>& paths) {
   Fingerprints files;
   for (const fs::path& path : paths) {
@@ -94,9 +102,9 @@ Fingerprints fingerprints_of(const std::vector<fs::path>& paths) {
       add_folder(path, files);
       continue;
     }
-    files[path.generic_string()] = fingerprint(path);
+    add_file(path, files);
     for (const fs::path& beside : files_beside(path))
-      if (is_there(beside)) files[beside.generic_string()] = fingerprint(beside);
+      if (is_there(beside)) add_file(beside, files);
   }
   return files;
 }
@@ -104,7 +112,10 @@ Fingerprints fingerprints_of(const std::vector<fs::path>& paths) {
 std::vector<std::string> changes_since(const StepRecord& before, const StepRecord& now,
                                        const Fingerprints& there) {
   std::vector<std::string> changes = causes(before, now);
-  if (!before.finished) changes.insert(changes.begin(), "it did not finish");
+  if (!before.finished) {
+    changes.insert(changes.begin(), "it did not finish");
+    return changes;
+  }
   for (const auto& [path, content] : before.outputs) {
     const auto found = there.find(path);
     if (found == there.end())

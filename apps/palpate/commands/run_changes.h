@@ -17,14 +17,17 @@ using Fingerprints = std::map<std::string, std::string>;
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct StepRecord {
   bool finished = false;
-  std::string version = {};         ///< of palpate
-  nlohmann::json entries = {};      ///< as in `StepCall`
-  Fingerprints inputs = {};         ///< before it began
-  std::vector<std::string> writes;  ///< the files and folders that it was to write
-  Fingerprints outputs = {};        ///< what it has written; empty if it is not finished
+  std::string version = {};              ///< of palpate
+  nlohmann::json entries = {};           ///< as in `StepCall`
+  Fingerprints inputs = {};              ///< before it began
+  std::vector<std::string> writes = {};  ///< the files and folders that it was to write
+  Fingerprints outputs = {};             ///< what it has written; empty if it is not finished
   double seconds = 0;
   nlohmann::ordered_json figures = nlohmann::ordered_json::object();
 };
+
+/// Texts as they come back from a JSON file, which is UTF-8; names of files need not be.
+[[nodiscard]] nlohmann::json in_utf8(const nlohmann::json& texts);
 
 /// Reads files, and all files in folders. Hidden files and records (.jsonl), which hold times, do
 /// not count. Beside a range map, what its command reads too: the rig, and the files that `palpate

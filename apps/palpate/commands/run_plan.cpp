@@ -63,11 +63,11 @@ void forget(Fingerprints& inputs, const StepCall& writer) {
 
 StepRecord now_of(const StepCall& call) {
   StepRecord now{.version = PALPATE_VERSION,
-                 .entries = call.entries,
-                 .inputs = fingerprints_of(call.inputs),
-                 .writes = {}};
-  for (const fs::path& output : call.outputs) now.writes.push_back(output.generic_string());
-  return as_stored(now);
+                 .entries = in_utf8(call.entries),
+                 .inputs = fingerprints_of(call.inputs)};
+  for (const fs::path& output : call.outputs)
+    now.writes.push_back(in_utf8(output.generic_string()));
+  return now;
 }
 
 StepPlan plan_step(const StepCall& call, const StepRecord* before, const StepRecord& now) {

@@ -132,7 +132,9 @@ Project read_project(const fs::path& path) {
 }
 
 void refuse_in_project(const fs::path& path, int line, const std::string& what) {
-  throw FileError(path.string() + ": line " + std::to_string(line) + ": " + what + ".");
+  const bool is_sentence = what.ends_with('?') || what.ends_with('.');
+  throw FileError(path.string() + ": line " + std::to_string(line) + ": " + what +
+                  (is_sentence ? "" : "."));
 }
 
 }  // namespace palpate::apps
