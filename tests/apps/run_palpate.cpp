@@ -70,7 +70,7 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
     }
-    kill(-child, SIGINT);
+    kill(-child, options.signal);
   }
   waitpid(child, &status, 0);
   CommandResult result{.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),

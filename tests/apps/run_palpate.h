@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <csignal>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,6 +26,8 @@ struct CommandOptions {
   /// Sends Ctrl-C, as a terminal does: also to the processes it started, as soon as this file
   /// exists.
   std::optional<std::filesystem::path> interrupt_when_there_is = {};
+  /// The signal to send then in place of Ctrl-C.
+  int signal = SIGINT;
   /// Limit of the file size [bytes], which looks like a full disk to the program.
   std::optional<unsigned long> max_file_size = {};
   std::string answers = {};  ///< what the program reads from its standard input

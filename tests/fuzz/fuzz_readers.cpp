@@ -39,6 +39,7 @@
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
 #include "palpate/sensing/virtual_sensor.h"
+#include "shared/project_file.h"
 
 namespace {
 
@@ -116,6 +117,7 @@ const std::map<std::string, Reader>& readers() {
       {"poses", {"a.csv", of(haptics::read_pose_path)}},
       {"record", {"a.bin", of(haptics::read_loop_record)}},
       {"scene", {"a.json", of(haptics::read_scene)}},
+      {"project", {"a.yaml", of(apps::read_project)}},
   };
   return all;
 }
