@@ -49,15 +49,11 @@ class RunReport {
   /// \param figure in words.
   void add(StepOutcome outcome, const std::string& figure) {
     if (!settings_.json && !settings_.quiet) {
-      const std::string time =
-          outcome.seconds > 0 ? fmt::format("{:.1f} s", outcome.seconds) : std::string();
-      const std::string reason = outcome.reason.empty() ? "" : "(" + outcome.reason + ")";
-      std::vector<std::string> words;
-      for (const std::string& part : {figure, reason})
-        if (!part.empty()) words.push_back(part);
-      std::cout << fmt::format("{:<9} {:<9} {:>8}  {}", outcome.step, outcome.status, time,
-                               fmt::join(words, " "))
-                << std::endl;
+      std::string line = fmt::format("{:<9} {:<9}", outcome.step, outcome.status);
+      if (outcome.seconds > 0) line += fmt::format(" {:>6.1f} s", outcome.seconds);
+      if (!figure.empty()) line += "  " + figure;
+      if (!outcome.reason.empty()) line += "  (" + outcome.reason + ")";
+      std::cout << line << std::endl;
     }
     outcomes_.push_back(std::move(outcome));
   }
@@ -106,17 +102,20 @@ fs::path results_of(const RunProjectCall& call, const Project& project) {
 
 /// Calls the command of a step, or goes on with it where it was interrupted.
 Json call_step(const StepCall& call, bool goes_on) {
-  if (goes_on && !call.resuming_words.empty()) {
-    try {
-      spdlog::info("palpate {}", fmt::join(call.resuming_words, " "));
-      return run_call(call.resuming_words);
-    } catch (const InvalidInput& refusal) {
-      // The step ended before its command kept anything, which may have older results.
-      spdlog::info("{}: is begun anew: {}", call.step->name, refusal.what());
-    }
+  const auto run = [](const std::vector<std::string>& words) {
+    spdlog::info("palpate {}", fmt::join(words, " "));
+    return run_call(words);
+  };
+  if (!goes_on || call.resuming_words.empty()) return run(call.words);
+  if (call.step->measures)
+    return run(fingerprints_of(call.outputs).empty() ? call.words : call.resuming_words);
+  try {
+    return run(call.resuming_words);
+  } catch (const InvalidInput& refusal) {
+    // The step ended before its command kept anything; what is kept is of an older run.
+    spdlog::info("{}: is begun anew: {}", call.step->name, refusal.what());
+    return run(call.words);
   }
-  spdlog::info("palpate {}", fmt::join(call.words, " "));
-  return run_call(call.words);
 }
 
 /// Does a step, and keeps in the record that it was begun and finished.

@@ -30,7 +30,7 @@ void add_folder(const fs::path& folder, Fingerprints& files) {
        ++at) {
     if (at->is_directory()) {
       if (is_hidden(at->path())) at.disable_recursion_pending();
-    } else if (counts(at->path())) {
+    } else if (at->is_regular_file() && counts(at->path())) {
       add_file(at->path(), files);
     }
   }
