@@ -314,6 +314,10 @@ TEST_F(Run, GoesOnWithAStepThatFailed) {
   EXPECT_THAT(failed.err, HasSubstr("contacts.csv: line 2"));
   EXPECT_EQ(in_words(failed.out), "mesh done, import failed");
   replace_in("contacts.csv", "\nx", "\n");
+  // Made by hand in the meantime:
+  write_text(scratch / "acquisition.db", "precious");
+  expect_refused("acquisition.db: is there, but palpate run did not write it");
+  fs::remove(scratch / "acquisition.db");
   EXPECT_EQ(statuses(), "mesh unchanged, import done, fit done, play done, export done");
 }
 

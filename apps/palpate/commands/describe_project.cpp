@@ -33,7 +33,8 @@ Description describe_project(const fs::path& path) {
 Description describe_project_record(const fs::path& path) {
   std::vector<std::string> done, begun;
   const ProjectRecord record(path);
-  for (const auto& [name, step] : record.steps()) (step.finished ? done : begun).push_back(name);
+  for (const auto& [name, step] : record.steps())
+    (step.state == StepState::done ? done : begun).push_back(name);
   std::string prose = fmt::format("record of palpate run; done: {}", fmt::join(done, ", "));
   if (!begun.empty()) prose += fmt::format("; begun: {}", fmt::join(begun, ", "));
   return {{{"kind", "record of run"}, {"steps", done}}, prose};

@@ -4,8 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <ostream>
+#include <stdexcept>
 #include <utility>
 
 #include "palpate/error.h"
@@ -22,14 +25,27 @@ constexpr const char* kKind = "record of palpate run";
 // Of the record; raised when the meaning of a member changes.
 constexpr int kVersion = 1;
 
+constexpr std::array<const char*, 3> kStates = {"begun", "failed", "done"};
+
+StepState to_state(const std::string& word) {
+  const auto* const found = std::ranges::find(kStates, word);
+  if (found != kStates.end()) return static_cast<StepState>(found - kStates.begin());
+  throw std::out_of_range("state is " + word);
+}
+
 Json to_json(const StepRecord& record) {
-  return {{"finished", record.finished}, {"palpate", record.version}, {"entries", record.entries},
-          {"inputs", record.inputs},     {"writes", record.writes},   {"outputs", record.outputs},
-          {"seconds", record.seconds},   {"figures", record.figures}};
+  return {{"state", kStates.at(static_cast<std::size_t>(record.state))},
+          {"palpate", record.version},
+          {"entries", record.entries},
+          {"inputs", record.inputs},
+          {"writes", record.writes},
+          {"outputs", record.outputs},
+          {"seconds", record.seconds},
+          {"figures", record.figures}};
 }
 
 StepRecord to_record(const Json& json) {
-  return {.finished = json.at("finished"),
+  return {.state = to_state(json.at("state")),
           .version = json.at("palpate"),
           .entries = json.at("entries"),
           .inputs = json.at("inputs"),
@@ -53,7 +69,9 @@ ProjectRecord::ProjectRecord(fs::path file) : file_(std::move(file)) {
     if (json.at("kind") != kKind || json.at("version") != kVersion)
       throw FileError(file_.string() + ": is a record of another program or version.");
     for (const auto& [step, record] : json.at("steps").items()) steps_[step] = to_record(record);
-  } catch (const Json::exception& error) {
+  } catch (const FileError&) {
+    throw;
+  } catch (const std::exception& error) {  // of JSON, or a state that is none
     throw FileError(fmt::format(
         "{}: is not a record of palpate run ({}). Without it nothing is known of the results "
         "beside it: to begin anew, move it and them elsewhere.",

@@ -71,14 +71,15 @@ class RunReport {
   }
 
  private:
-  /// "2 steps done, 3 unchanged"
+  /// "5 steps: 2 done, 3 unchanged"
   [[nodiscard]] std::string in_words() const {
     std::vector<std::string> counts;
     for (const char* status : {"done", "due", "depends", "failed", "unchanged"}) {
       const auto count = std::ranges::count(outcomes_, status, &StepOutcome::status);
       if (count > 0) counts.push_back(fmt::format("{} {}", count, status));
     }
-    return fmt::format("{} steps: {}", outcomes_.size(), fmt::join(counts, ", "));
+    return fmt::format("{} step{}: {}", outcomes_.size(), outcomes_.size() == 1 ? "" : "s",
+                       fmt::join(counts, ", "));
   }
 
   const Settings& settings_;
@@ -118,7 +119,7 @@ Json call_step(const StepCall& call, bool goes_on) {
   }
 }
 
-/// Does a step, and keeps in the record that it was begun and finished.
+/// Does a step, and keeps in the record that it was begun and how it ended.
 StepOutcome do_step(const StepCall& call, const std::string& reason, StepRecord now,
                     ProjectRecord& record) {
   using Clock = std::chrono::steady_clock;
@@ -126,12 +127,20 @@ StepOutcome do_step(const StepCall& call, const std::string& reason, StepRecord 
   const StepRecord* const before = record.find(name);
   const bool goes_on = before != nullptr && can_be_resumed(*before, now);
   record.put(name, now);
+  const auto put = [&](StepState state) {
+    now.state = state;
+    now.outputs = fingerprints_of(call.outputs);
+    record.put(name, now);
+  };
   const Clock::time_point start = Clock::now();
-  now.figures = call_step(call, goes_on);
+  try {
+    now.figures = call_step(call, goes_on);
+  } catch (...) {
+    put(StepState::failed);
+    throw;
+  }
   now.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  now.finished = true;
-  now.outputs = fingerprints_of(call.outputs);
-  record.put(name, now);
+  put(StepState::done);
   return {.step = name,
           .status = "done",
           .reason = reason,

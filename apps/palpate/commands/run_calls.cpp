@@ -289,9 +289,8 @@ class CallMaker {
     for (const fs::path& output : call.outputs) {
       const auto refuse_for = [&](const fs::path& other, const std::string& what) {
         refuse(section, line_of(section, output),
-               fmt::format("{}: is, holds or lies in {}, {}; give it another name ({})",
-                           output.string(), other.empty() ? "." : other.string(), what,
-                           call.step->result_entry));
+               fmt::format("{}: is, holds or lies in {}, {}; give one of them another name",
+                           output.string(), other.empty() ? "." : other.string(), what));
       };
       if (lies_in(results_, output)) refuse_for(results_, "the folder of all results");
       for (const fs::path& other : taken)

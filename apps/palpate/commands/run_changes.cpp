@@ -112,7 +112,7 @@ Fingerprints fingerprints_of(const std::vector<fs::path>& paths) {
 std::vector<std::string> changes_since(const StepRecord& before, const StepRecord& now,
                                        const Fingerprints& there) {
   std::vector<std::string> changes = causes(before, now);
-  if (!before.finished) {
+  if (before.state != StepState::done) {
     changes.insert(changes.begin(), "it did not finish");
     return changes;
   }
@@ -127,7 +127,7 @@ std::vector<std::string> changes_since(const StepRecord& before, const StepRecor
 }
 
 bool can_be_resumed(const StepRecord& before, const StepRecord& now) {
-  return !before.finished && causes(before, now).empty();
+  return before.state != StepState::done && causes(before, now).empty();
 }
 
 void check_own(const std::string& step, const StepRecord* before, const Fingerprints& there) {
@@ -138,7 +138,7 @@ void check_own(const std::string& step, const StepRecord* before, const Fingerpr
         path, reason, step));
   };
   const auto is_being_written = [&](const std::string& path) {
-    return before != nullptr && !before->finished &&
+    return before != nullptr && before->state == StepState::begun &&
            std::ranges::any_of(before->writes,
                                [&](const std::string& output) { return lies_in(path, output); });
   };

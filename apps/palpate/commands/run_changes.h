@@ -13,15 +13,22 @@ namespace palpate::apps {
 /// The content of files, by their paths.
 using Fingerprints = std::map<std::string, std::string>;
 
+/// How far a step is.
+enum class StepState {
+  begun,   ///< and killed, if it is not at work
+  failed,  ///< or interrupted: what it has written is known
+  done,
+};
+
 /// What `palpate run` knows of a step that it has done, or has begun.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct StepRecord {
-  bool finished = false;
+  StepState state = StepState::begun;
   std::string version = {};              ///< of palpate
   nlohmann::json entries = {};           ///< as in `StepCall`
   Fingerprints inputs = {};              ///< before it began
   std::vector<std::string> writes = {};  ///< the files and folders that it was to write
-  Fingerprints outputs = {};             ///< what it has written; empty if it is not finished
+  Fingerprints outputs = {};             ///< what it has written; empty while it is at work
   double seconds = 0;
   nlohmann::ordered_json figures = nlohmann::ordered_json::object();
 };
@@ -42,7 +49,7 @@ struct StepRecord {
                                                      const StepRecord& now,
                                                      const Fingerprints& there);
 
-/// Whether nothing has changed since a step that did not finish began.
+/// Whether nothing has changed since a step began that is not done.
 [[nodiscard]] bool can_be_resumed(const StepRecord& before, const StepRecord& now);
 
 /// Checks that all files where a step would write are as `palpate run` has left them.

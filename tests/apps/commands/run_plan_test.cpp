@@ -22,7 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const StepRecord kBefore = {.finished = true,
+const StepRecord kBefore = {.state = StepState::done,
                             .version = "1.0",
                             .entries = {{"range", {{"a.tiff"}}}, {"tolerance", {{"0.2"}}}},
                             .inputs = {{"a.tiff", "1"}, {"rig.yaml", "2"}},
@@ -56,7 +56,7 @@ TEST(RunChanges, NameWhatHasChanged) {
 
 TEST(RunChanges, AStepIsResumedOnlyWithTheSameInputsAndEntries) {
   StepRecord begun = kBefore;
-  begun.finished = false;
+  begun.state = StepState::begun;
   begun.outputs = {};
   EXPECT_TRUE(can_be_resumed(begun, kNow));
   EXPECT_FALSE(can_be_resumed(kBefore, kNow));
@@ -88,11 +88,17 @@ TEST(RunChanges, OnlyOutputsOfTheRunMayBeReplaced) {
   EXPECT_THAT(refusal(&kBefore, {{"b.ply", "4"}}), HasSubstr("b.ply: was changed after"));
   EXPECT_THAT(refusal(&kBefore, {{"c.ply", "3"}}), HasSubstr("c.ply: is there, but"));
   StepRecord begun = kBefore;
-  begun.finished = false;
+  begun.state = StepState::begun;
   begun.writes = {"out"};
   begun.outputs = {};
   EXPECT_EQ(refusal(&begun, {{"out/a.tiff", "1"}, {"out/b/c", "2"}}), "");
   EXPECT_THAT(refusal(&begun, {{"out.ply", "1"}}), HasSubstr("out.ply: is there, but"));
+  // After a failure it is known what was written.
+  StepRecord failed = begun;
+  failed.state = StepState::failed;
+  failed.outputs = {{"out/a.tiff", "1"}};
+  EXPECT_EQ(refusal(&failed, {{"out/a.tiff", "1"}}), "");
+  EXPECT_THAT(refusal(&failed, {{"out/b.tiff", "1"}}), HasSubstr("out/b.tiff: is there, but"));
 }
 
 /// Steps in a folder of their own, with files that are written by hand.
@@ -116,7 +122,7 @@ class RunPlan : public ::testing::Test {
   void done(const StepCall& step, const std::string& text) {
     StepRecord now = now_of(step);
     for (const fs::path& output : step.outputs) write_text(output, text);
-    now.finished = true;
+    now.state = StepState::done;
     now.outputs = fingerprints_of(step.outputs);
     record.put(step.step->name, now);
   }
@@ -227,9 +233,12 @@ TEST_F(RunPlan, NamesOfFilesNeedNotBeUtf8) {
 }
 
 TEST_F(RunPlan, ARecordThatIsNoneIsRefused) {
-  for (const char* text : {"", "{}", "[1]", "{\"kind\": \"record of palpate run\"",
-                           R"({"kind": "record of palpate run", "version": 1, "steps": {"a": 1}})",
-                           R"({"kind": "record of palpate run", "version": 2, "steps": {}})"}) {
+  constexpr const char* kUnknownState =
+      R"({"kind": "record of palpate run", "version": 1, "steps": {"fit": {"state": "asleep"}}})";
+  for (const char* text :
+       {"", "{}", "[1]", "{\"kind\": \"record of palpate run\"",
+        R"({"kind": "record of palpate run", "version": 1, "steps": {"a": 1}})",
+        R"({"kind": "record of palpate run", "version": 2, "steps": {}})", kUnknownState}) {
     write_text("project.run", text);
     EXPECT_THROW(ProjectRecord("project.run"), FileError) << text;
   }
