@@ -18,6 +18,7 @@
 #include "decode/hidden_steps.h"
 #include "decode/plausibility.h"
 #include "decode/rig_deviation.h"
+#include "decode/sharp_edges.h"
 #include "decode/tinted_surfaces.h"
 #include "decode/workspace.h"
 #include "image/half_size.h"
@@ -314,6 +315,7 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   }
   bridge_gaps(work.lit, work.phase, kBlurRadius, kBreak, work.breaks);
   erode(work.breaks, kBlurRadius, work.inner);
+  keep_sharp_edges(work.demodulated.channels, work.breaks, kBlurRadius, work.inner);
   give_reason_unless(work.inner, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
   // Across the sinusoid, two standard deviations of the average along the rows.
