@@ -340,10 +340,10 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
   const PixelOfPhase pixels{.along = model.carrier().along,
                             .offset = pattern.phase,
                             .per_pixel = kFullTurn / pattern.period};
-  add_chromatic_error(
-      work.combined.shares,
-      remaining_error(work.demodulated.channels, work.model(model).chromatic(), work.phase, pixels),
-      work.sigma);
+  add_chromatic_error(work.combined.shares,
+                      remaining_error(work.demodulated.channels, work.model(model).chromatic(),
+                                      work.phase, pixels, PhaseTexture::disturbs),
+                      work.sigma);
   add_texture_error(work.demodulated.channels, work.combined, filter, work.sigma);
   scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
               work.sigma.size());

@@ -368,7 +368,8 @@ MultishotResult MultishotDecoder::Impl::decode(std::span<const cv::Mat> given) c
       remaining_error(channels, model.chromatic(), phase,
                       {.along = carrier.along,
                        .offset = model.pattern().phase,
-                       .per_pixel = kFullTurn / model.pattern().period});
+                       .per_pixel = kFullTurn / model.pattern().period},
+                      PhaseTexture::none);
   if (channels.size() == 3) {
     sigma = (sigma.square() + static_cast<float>(chromatic.red) * combined.shares.red.square() +
              static_cast<float>(chromatic.blue) * combined.shares.blue.square())

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "image/hot_loop.h"
+#include "palpate/geometry/median.h"
 
 namespace palpate::sensing {
 namespace {
@@ -126,7 +127,11 @@ constexpr float kLeastRatio = 0.3F;
 /// Larger differences come from steps of the depth, not from lenses [rad].
 constexpr double kLargestDifference = 0.5;
 /// Smallest number of products for a mean.
-constexpr int kLeastProducts = 100;
+constexpr std::size_t kLeastProducts = 100;
+/// Products beyond so many medians are cut there: edges of print and of stripes have such.
+constexpr double kLargestProduct = 10;
+/// What the cut leaves of the mean of squares of normal deviates, 3 % of which are beyond.
+constexpr double kCutMean = 0.942;
 
 struct Phasors {
   const float* re;
@@ -161,7 +166,7 @@ double difference(const ComparedRow& row, long i, const ChromaticLag& lag,
   return static_cast<double>(ahead) + lag.slope * moved;
 }
 
-/// The mean product of differences.
+/// The mean product of differences; without the excess of the largest where texture disturbs.
 class Disagreement {
  public:
   void add_row(const ComparedRow& row, const ChromaticLag& lag, const PixelOfPhase& pixels) {
@@ -175,18 +180,22 @@ class Disagreement {
       const bool both =
           std::abs(first) < kLargestDifference && std::abs(second) < kLargestDifference;
       if (!both) continue;
-      sum_ += first * second;
-      ++count_;
+      products_.push_back(first * second);
     }
   }
-  [[nodiscard]] double mean() const {
-    return count_ < kLeastProducts ? 0 : std::max(0.0, sum_ / count_);
+  [[nodiscard]] double mean(PhaseTexture texture) const {
+    if (products_.size() < kLeastProducts) return 0;
+    const bool cut = texture == PhaseTexture::disturbs;
+    const double largest = cut ? kLargestProduct * std::max(0.0, geometry::median(products_))
+                               : std::numeric_limits<double>::infinity();
+    double sum = 0;
+    for (const double product : products_) sum += std::clamp(product, -largest, largest);
+    return std::max(0.0, sum / ((cut ? kCutMean : 1) * static_cast<double>(products_.size())));
   }
 
  private:
   std::vector<double> differences_;
-  double sum_ = 0;
-  int count_ = 0;
+  std::vector<double> products_;
 };
 
 /// The first of the two of `size` pixels around a place in (-1, size).
@@ -341,7 +350,7 @@ void combine_channels(const std::vector<Demodulated>& channels, const ChromaticM
 
 ChromaticError remaining_error(const std::vector<Demodulated>& channels,
                                const ChromaticModel& model, const Plane& phase,
-                               const PixelOfPhase& pixels) {
+                               const PixelOfPhase& pixels, PhaseTexture texture) {
   if (channels.size() == 1) return {};
   const long step = std::max<long>(1, phase.size() / (kErrorSpacing * kErrorSamples));
   ShiftedRow seen(phase.cols());
@@ -359,7 +368,7 @@ ChromaticError remaining_error(const std::vector<Demodulated>& channels,
                      .row = row},
                     channel.lag, pixels);
     }
-    error[i] = found.mean();
+    error[i] = found.mean(texture);
   }
   return {error[0], error[1]};
 }

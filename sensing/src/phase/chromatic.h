@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "image/image_part.h"
@@ -110,9 +111,12 @@ struct ChromaticError {
   double red = 0;
   double blue = 0;
 };
+/// Whether texture disturbs the phases of the channels, as in a single image: products beyond ten
+/// times their median are then cut there, so that a few edges do not count for the whole frame.
+enum class PhaseTexture : std::uint8_t { none, disturbs };
 /// \param phase [rad] absolute, of the working image; NaN where unknown.
 [[nodiscard]] ChromaticError remaining_error(const std::vector<Demodulated>& channels,
                                              const ChromaticModel& model, const Plane& phase,
-                                             const PixelOfPhase& pixels);
+                                             const PixelOfPhase& pixels, PhaseTexture texture);
 
 }  // namespace palpate::sensing

@@ -126,37 +126,74 @@ TEST(Chromatic, SharesSumToOneWithGreen) {
   EXPECT_FLOAT_EQ(combined.shares.blue(2, 2), 4 / 32.0F);
 }
 
-TEST(Chromatic, WhatTheModelLeavesIsFoundAndNoiseIsNot) {
-  constexpr long kRows = 60;
-  constexpr long kColumns = 200;
-  constexpr float kLeft = 0.06F;  // rad that blue runs ahead
-  const Plane zero = Plane::Zero(kRows, kColumns);
-  const Plane one = Plane::Ones(kRows, kColumns);
-  std::mt19937 generator(1);
-  std::normal_distribution<float> noise(0, 0.05F);
-  const auto phasor = [&](float phase) {
-    Demodulated signal{zero, zero, one};
-    for (long i = 0; i < zero.size(); ++i) {
-      const float angle = phase + noise(generator);
+constexpr long kComparedRows = 60;
+constexpr long kComparedColumns = 200;
+
+/// Green and red that fit a model, and blue that runs ahead of it; with noise.
+struct Compared {
+  /// \param ahead [rad]
+  explicit Compared(const Plane& ahead) {
+    const Plane zero = Plane::Zero(kComparedRows, kComparedColumns);
+    model.expected_pixel = zero;
+    model.channels[0] = channel_model({}, {.slope = 0.02, .offset = 0.3}, zero);
+    model.channels[1] = channel_model({}, {.slope = -0.01, .offset = -0.1}, zero);
+    add(zero + 1.5F);
+    add(zero + 1.5F - 0.3F - 0.06F);
+    add(ahead + 1.5F + 0.1F + 0.03F);
+  }
+  [[nodiscard]] ChromaticError error(const Plane& phase) const {
+    // The surface is not where the lags were taken: the projector pixel is 3 farther.
+    return remaining_error(channels, model, phase, {.along = 0, .offset = 0, .per_pixel = 0.5},
+                           PhaseTexture::disturbs);
+  }
+  [[nodiscard]] ChromaticError error() const {
+    return error(Plane::Constant(kComparedRows, kComparedColumns, 1.5F));
+  }
+
+ private:
+  void add(const Plane& phase) {
+    Demodulated signal{phase, phase, Plane::Ones(phase.rows(), phase.cols())};
+    for (long i = 0; i < phase.size(); ++i) {
+      const float angle = phase.data()[i] + noise_(generator_);
       signal.re.data()[i] = std::cos(angle);
       signal.im.data()[i] = std::sin(angle);
     }
-    return signal;
-  };
-  // The surface is not where the lags were taken: the projector pixel is 3 farther.
-  const PixelOfPhase pixels{.along = 0, .offset = 0, .per_pixel = 0.5};
-  ChromaticModel model{.expected_pixel = zero, .channels = {}};
-  model.channels[0] = channel_model({}, {.slope = 0.02, .offset = 0.3}, zero);
-  model.channels[1] = channel_model({}, {.slope = -0.01, .offset = -0.1}, zero);
-  const std::vector<Demodulated> channels = {phasor(1.5F), phasor(1.5F - 0.3F - 0.06F),
-                                             phasor(1.5F + 0.1F + 0.03F + kLeft)};
-  const ChromaticError error =
-      remaining_error(channels, model, Plane::Constant(kRows, kColumns, 1.5F), pixels);
+    channels.push_back(std::move(signal));
+  }
+  std::mt19937 generator_{1};
+  std::normal_distribution<float> noise_{0, 0.05F};
+  ChromaticModel model{};
+  std::vector<Demodulated> channels;
+};
+
+TEST(Chromatic, WhatTheModelLeavesIsFoundAndNoiseIsNot) {
+  constexpr float kLeft = 0.06F;  // rad that blue runs ahead
+  const Compared compared(Plane::Constant(kComparedRows, kComparedColumns, kLeft));
+  const ChromaticError error = compared.error();
   // Twice 0.05^2 of noise, averaged over a few thousand pixels.
   EXPECT_NEAR(error.red, 0, 3e-4);
   EXPECT_NEAR(error.blue, kLeft * kLeft, 8e-4);
-  const Plane unknown = Plane::Constant(kRows, kColumns, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_EQ(remaining_error(channels, model, unknown, pixels).blue, 0);
+  const Plane unknown =
+      Plane::Constant(kComparedRows, kComparedColumns, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(compared.error(unknown).blue, 0);
+}
+
+TEST(Chromatic, WhatTheModelLeavesIsFoundIfItVariesOverTheFrame) {
+  constexpr float kDeviation = 0.1F;  // rad
+  std::mt19937 generator(2);
+  std::normal_distribution<float> left(0, kDeviation);
+  Plane ahead(kComparedRows, kComparedColumns);
+  for (long row = 0; row < kComparedRows; ++row) ahead.row(row).setConstant(left(generator));
+  const double expected = static_cast<double>(ahead.col(0).square().mean());
+  EXPECT_NEAR(Compared(ahead).error().blue, expected, 0.15 * expected);
+}
+
+TEST(Chromatic, FewEdgesDoNotCountForTheWholeFrame) {
+  constexpr float kLeft = 0.06F, kAtEdges = 0.45F;  // rad
+  Plane ahead = Plane::Constant(kComparedRows, kComparedColumns, kLeft);
+  for (const long column : {30L, 130L}) ahead.middleCols(column, 20) += kAtEdges - kLeft;
+  const double mean = static_cast<double>(ahead.square().mean());
+  EXPECT_LT(Compared(ahead).error().blue, mean / 3);
 }
 
 }  // namespace
