@@ -12,14 +12,16 @@ namespace palpate::sensing {
 /// material fit the sinusoid in part, and this part is not in the residual.
 ///
 /// Texture shows in the light L, the sum of the channels' means, by the second difference
-///   d = L(row - P) - 2 L(row) + L(row + P),
+///   d(row) = L(row - P) - 2 L(row) + L(row + P),
 /// P being the carrier's period, in which light that changes evenly and the ripple that the
-/// sinusoid leaves in the means cancel. With |sum|, the length of the channels' common phasor (half
-/// an amplitude), the variance of the phase is at least
-///   0.04 max(0, (d / |sum|)^2 - 0.2^2).
-/// An edge anywhere in the window, of the same brightness along the rows, would ask for 0.11
-/// (Hann's window of two periods, RMS over its places and the phases) and smooth shading of three
-/// periods for 0.02; 0.04 is what edges in all directions leave after the averaging along the rows.
+/// sinusoid leaves in the means cancel. It is largest for texture of two periods, and changes its
+/// sign there every period, so half of it is taken half a period up and down:
+///   D^2 = (d(row)^2 + (d(row - P/2)^2 + d(row + P/2)^2) / 2) / 2.
+/// With |sum|, the length of the channels' common phasor (half an amplitude), the variance of the
+/// phase is at least
+///   0.019 max(0, (D / |sum|)^2 - 0.2^2).
+/// This is what an edge between two brightnesses leaves in Hann's window of two periods, the mean
+/// over its places in the window and the phases; tiles of 1 to 3 periods leave 0.011 to 0.016.
 /// Below 0.2, harmonics of the sinusoid bend the means as much.
 /// \param sigma [rad]
 void add_texture_error(const std::vector<Demodulated>& channels, const Combined& sum,

@@ -78,6 +78,17 @@ TEST(TextureError, IsNoneWithoutTextureAndWhereTheLightChangesEvenly) {
   EXPECT_TRUE((shaded.with == shaded.without).all());
 }
 
+TEST(TextureError, IsSeenAlsoWhereTheLightDoesNotBend) {
+  // Between the crests of a texture of two periods, where it still disturbs the phase.
+  const OnTexture wave(
+      [](long row, long) { return 0.7 + 0.2 * std::cos(kCarrier / 2 * static_cast<double>(row)); },
+      0.4);
+  const Plane inner = wave.with.block(kAwayFromBorder, 0, kTexturedRows - 2 * kAwayFromBorder, 1);
+  EXPECT_GT(inner.minCoeff(), inner.maxCoeff() / 3);
+  EXPECT_GT(wave.score(wave.with), 0.5);
+  EXPECT_LT(wave.score(wave.with), 1.5);
+}
+
 TEST(TextureError, NeverLowersADeviationAndDoesNotDependOnTheUnitOfTheLight) {
   OnTexture phases(tiles(14), 0.4);
   EXPECT_TRUE((phases.with >= phases.without).all());
