@@ -186,7 +186,8 @@ class WindowTest(unittest.TestCase):
             self.server.do("mousemove", "--window", number, 8, 8, "mousedown", 1, "mousemove", "--window", number, 120, 60,
                            "mouseup", 1)
             turned = shot_when(lambda seen: different(lifted, seen) > 2000 and arrow(seen) == 0)
-            self.server.do("key", "--window", number, "q")
+            # Not "key": the window may be gone when the key is let go.
+            self.server.do("keydown", "--window", number, "q")
             _, words = window.communicate(timeout=LONGEST)
         finally:
             window.kill()
