@@ -398,6 +398,8 @@ TEST_F(Run, RefusesAWrongProjectBeforeTheFirstStep) {
   expect_refused("project.yaml: line 2: is not YAML");
   fs::remove(scratch / "project.yaml");
   expect_refused("project.yaml: there is no such file");
+  fs::create_directories(scratch / "project.yaml");
+  expect_refused("project.yaml: is a folder");
 }
 
 TEST_F(Run, IsDescribedByInfo) {

@@ -104,8 +104,11 @@ class ProjectPage {
 
 std::string text_of_project(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_regular_file(path, error))
-    throw FileError(path.string() + ": there is no such file; expected a project file (YAML).");
+  if (!fs::is_regular_file(path, error)) {
+    throw FileError(path.string() +
+                    (fs::is_directory(path, error) ? ": is a folder" : ": there is no such file") +
+                    "; expected a project file (YAML).");
+  }
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!file.good() && !file.eof()) throw FileError(path.string() + ": cannot be read.");

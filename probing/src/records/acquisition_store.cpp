@@ -118,7 +118,9 @@ std::string more_than_an_acquisition(sqlite3* database) {
 CheckedAcquisition read_acquisition(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path.string() + ": there is no such file; " + kWhatIsRight);
+    const bool is_folder = std::filesystem::is_directory(path, error);
+    throw FileError(path.string() + (is_folder ? ": is a folder; " : ": there is no such file; ") +
+                    kWhatIsRight);
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (size == 0) {

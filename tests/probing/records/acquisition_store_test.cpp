@@ -71,6 +71,7 @@ TEST(AcquisitionStore, RefusesFilesThatAreNoSuchDatabase) {
   EXPECT_THAT(refused_database(folder / "none.db"),
               AllOf(HasSubstr("none.db"), HasSubstr("no such file")));
   EXPECT_FALSE(std::filesystem::exists(folder / "none.db"));
+  EXPECT_THAT(refused_database(folder.path()), HasSubstr("is a folder"));
   write_text(folder / "empty.db", "");
   EXPECT_THAT(refused_database(folder / "empty.db"), HasSubstr("empty"));
   write_text(folder / "text.db", std::string(5000, 'x'));
