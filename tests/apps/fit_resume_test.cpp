@@ -18,21 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// The lines of a CSV file whose number in a column is below a limit.
-std::string lines_below(const std::string& text, std::size_t column, int limit) {
-  std::istringstream lines(text);
-  std::string line, result;
-  std::getline(lines, line);
-  result = line + "\n";
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    std::string cell;
-    for (std::size_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
-    if (std::stoi(cell) < limit) result += line + "\n";
-  }
-  return result;
-}
-
 class FitResume : public ::testing::Test {
  protected:
   static constexpr int kContacts = 6;

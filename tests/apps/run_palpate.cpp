@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -106,6 +107,20 @@ ScratchFolder::ScratchFolder() {
 }
 
 ScratchFolder::~ScratchFolder() { fs::remove_all(path_); }
+
+std::string lines_below(const std::string& csv, std::size_t column, int limit) {
+  std::istringstream lines(csv);
+  std::string line, result;
+  std::getline(lines, line);
+  result = line + "\n";
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (std::size_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+    if (std::stoi(cell) < limit) result += line + "\n";
+  }
+  return result;
+}
 
 std::string read_text(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -63,6 +64,9 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// The header of a CSV file, and its lines whose integer in a column, from 0, is below a limit.
+std::string lines_below(const std::string& csv, std::size_t column, int limit);
 
 std::string read_text(const std::filesystem::path& path);
 void write_text(const std::filesystem::path& path, const std::string& text);

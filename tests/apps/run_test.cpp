@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -25,28 +24,16 @@ using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// The lines of a CSV file whose number in a column is below a limit, and the header.
-std::string first_contacts(const std::string& text, std::size_t column) {
-  constexpr int kContacts = 6;
-  std::istringstream lines(text);
-  std::string line, result;
-  std::getline(lines, line);
-  result = line + "\n";
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    std::string cell;
-    for (std::size_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
-    if (std::stoi(cell) < kContacts) result += line + "\n";
-  }
-  return result;
-}
-
 class Run : public ::testing::Test {
  protected:
+  static constexpr int kContacts = 6;
+
   /// A project of quick steps, with its data.
   void SetUp() override {
-    write_text(scratch / "contacts.csv", first_contacts(read_text(demo("sheet/contacts.csv")), 0));
-    write_text(scratch / "samples.csv", first_contacts(read_text(demo("sheet/samples.csv")), 1));
+    write_text(scratch / "contacts.csv",
+               lines_below(read_text(demo("sheet/contacts.csv")), 0, kContacts));
+    write_text(scratch / "samples.csv",
+               lines_below(read_text(demo("sheet/samples.csv")), 1, kContacts));
     fs::copy(demo("sheet/surface.ply"), scratch / "scan.ply");
     fs::copy(demo("trajectory.csv"), scratch / "trajectory.csv");
     write_project(kQuick);
