@@ -253,13 +253,14 @@ void add_registration(py::module_& module) {
       .def_readonly("rms", &Registration::rms,
                     "[mm] of the distances of the inliers from the surface; NaN without any.")
       .def_readonly("median", &Registration::median,
-                    "[mm] median distance of all finite points from the surface.")
+                    "[mm] median distance of the finite points from the surface; if min_overlap is "
+                    "below 0.5, of the nearest 2 min_overlap of them.")
       .def_readonly("inliers", &Registration::inliers,
                     "Number of points whose distance is consistent with the others'.")
       .def_readonly("overlap", &Registration::overlap, "The inliers' share of the finite points.")
       .def_property_readonly(
           "runner_up", [](const Registration& found) { return found.runner_up; },
-          "[mm] median distance at the best different pose; None if there is none.")
+          "[mm] the same at the best different pose; None if there is none.")
       .def_property_readonly(
           "centre", [](const Registration& found) { return copy_of(found.centre); },
           "[mm] (3,) centroid of the moved points.")

@@ -25,9 +25,6 @@ constexpr double kInlierDeviations = 3;
 /// fewer points fit anywhere.
 constexpr int kSpareInliers = 10;
 
-/// Trial motions move the points by this fraction of their radius (root mean square).
-constexpr double kTrialLength = 0.1;
-
 /// A motion is weak, and is tried, iff it changes the distances to the planes by less than this
 /// fraction of its length (root mean square): a relief of 18 degrees is sufficient.
 constexpr double kWeakGain = 0.3;
@@ -55,13 +52,14 @@ struct Trial {
 };
 
 double median_after(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& moved,
-                    const RigidProblem& problem, const Vector6d& motion) {
-  return rank_quantile(target.pair(to_motion(motion, problem) * moved).distances, 0.5);
+                    const RigidProblem& problem, const Vector6d& motion, double min_overlap) {
+  return median_distance(target.pair(to_motion(motion, problem) * moved).distances, min_overlap);
 }
 
 /// Motions, sorted by how little the planes fix them.
 std::vector<Trial> try_weak_motions(const RegistrationTarget::Impl& target,
-                                    const Eigen::Matrix3Xd& moved, const RigidProblem& problem) {
+                                    const Eigen::Matrix3Xd& moved, const RigidProblem& problem,
+                                    double min_overlap) {
   // Points on a line can rotate about it without moving; this also counts as a motion.
   const Matrix6d lengths = problem.points + kLeastLength * problem.weight * Matrix6d::Identity();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> gains(problem.planes, lengths);
@@ -70,9 +68,10 @@ std::vector<Trial> try_weak_motions(const RegistrationTarget::Impl& target,
     if (k > 0 && !(gains.eigenvalues()[k] < kWeakGain * kWeakGain)) break;
     const Vector6d unit = gains.eigenvectors().col(k) * std::sqrt(problem.weight);
     const Vector6d step = kTrialLength * problem.radius * unit;
-    trials.push_back({.motion = unit,
-                      .median = std::min(median_after(target, moved, problem, step),
-                                         median_after(target, moved, problem, -step))});
+    trials.push_back(
+        {.motion = unit,
+         .median = std::min(median_after(target, moved, problem, step, min_overlap),
+                            median_after(target, moved, problem, -step, min_overlap))});
   }
   return trials;
 }
@@ -155,9 +154,10 @@ Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double
   const double few = kFew / (result.inliers - fixed);
   const double outstanding = kContrast * (1 + few * few) * std::max(result.median, least);
   if (result.runner_up && *result.runner_up < outstanding) {
-    return {ambiguous, fmt::format("another pose fits nearly as well: median distance {:.3g} mm, "
-                                   "here {:.3g} mm",
-                                   *result.runner_up, result.median)};
+    return {ambiguous,
+            fmt::format("another pose fits {}: median distance {:.3g} mm, here {:.3g} mm",
+                        *result.runner_up < result.median ? "better" : "nearly as well",
+                        *result.runner_up, result.median)};
   }
   for (const Trial& trial : trials) {
     if (trial.median / scale >= outstanding) continue;
@@ -179,11 +179,17 @@ double inlier_deviation(const RegistrationTarget::Impl& target, const Eigen::Vec
                   kLeastLength * target.diagonal);
 }
 
+double median_distance(const Eigen::VectorXd& distances, double min_overlap) {
+  return rank_quantile(distances, std::min(0.5, min_overlap));
+}
+
 void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
            const SettledPose& pose, std::optional<double> runner_up,
            const RegistrationOptions& options, Registration& result) {
   const Eigen::Matrix3Xd moved = pose.motion * points;
   const Eigen::VectorXd& distances = pose.pairing.distances;
+  result.inliers = 0;
+  result.free_motions.clear();
   double squares = 0;
   for (const double distance : distances) {
     if (!(distance <= kInlierDeviations * pose.deviation)) continue;
@@ -192,7 +198,7 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   }
   result.overlap = static_cast<double>(result.inliers) / static_cast<double>(distances.size());
   result.rms = result.inliers > 0 ? std::sqrt(squares / result.inliers) / target.scale : kNan;
-  const double median = rank_quantile(distances, 0.5);
+  const double median = median_distance(distances, options.min_overlap);
   result.median = median / target.scale;
   if (runner_up) result.runner_up = *runner_up / target.scale;
 
@@ -201,7 +207,8 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   std::vector<Trial> trials;
   std::vector<Vector6d> free;
   if (problem.used >= 3) {
-    trials = try_weak_motions(target, spread_subset(moved, kTrialPoints), problem);
+    trials =
+        try_weak_motions(target, spread_subset(moved, kTrialPoints), problem, options.min_overlap);
     const double length = kTrialLength * problem.radius;
     for (const Trial& trial : trials) {
       if (trial.median > median + kFreeGrowth * length || median > kFreeMedian * length) continue;

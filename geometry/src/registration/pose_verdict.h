@@ -4,10 +4,18 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "registration/registration_target.h"
 
 namespace palpate::geometry {
+
+/// The verdict tries motions of the points by this fraction of their radius (root mean square).
+inline constexpr double kTrialLength = 0.1;
+
+/// The distance by which poses are compared: the median of all points, or of the nearest
+/// 2 * `min_overlap` of them, since the others may be off the surface.
+[[nodiscard]] double median_distance(const Eigen::VectorXd& distances, double min_overlap);
 
 /// A refined pose, in the local frame.
 struct SettledPose {

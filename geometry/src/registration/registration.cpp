@@ -193,48 +193,73 @@ SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen:
   return pose;
 }
 
-struct Choice {
-  Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
-  std::optional<double> runner_up;  ///< median distance at the best other pose
+/// The promising candidates of a search, refined on the surface itself.
+struct Rivals {
+  std::vector<PoseCandidate> poses;
+  std::vector<double> medians;  ///< of each pose, see `median_distance`
 };
 
-/// Refines the promising candidates on the surface itself and takes the best.
-Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-              const PoseSearch& search, double fraction, WorkSteps& steps) {
-  const double cell = target.grid().cell_size();
-  const double bound = std::max(kRival * search.candidates.front().score, cell / 4);
-  const Eigen::Matrix3Xd some = spread_subset(points, kCandidatePoints);
-  std::vector<PoseCandidate> settled;
-  std::vector<double> medians;
-  Choice choice;
+Rivals refine_rivals(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& some,
+                     const PoseSearch& search, double fraction, WorkSteps& steps) {
+  const double bound =
+      std::max(kRival * search.candidates.front().score, target.grid().cell_size() / 4);
+  Rivals rivals;
   for (const PoseCandidate& candidate : search.candidates) {
-    if (candidate.score > bound || settled.size() == kMaxRivals) break;
+    if (candidate.score > bound || rivals.poses.size() == kMaxRivals) break;
     const SettledPose pose =
         settle(target, some, {candidate.motion}, fraction, kCandidateSteps, steps);
-    settled.push_back({pose.motion, rank_quantile(pose.pairing.distances, fraction)});
-    medians.push_back(rank_quantile(pose.pairing.distances, 0.5));
+    const Eigen::VectorXd& distances = pose.pairing.distances;
+    rivals.poses.push_back({pose.motion, rank_quantile(distances, fraction)});
+    rivals.medians.push_back(median_distance(distances, fraction));
   }
-  double least = settled.front().score;
-  for (const PoseCandidate& pose : settled) least = std::min(least, pose.score);
-  size_t best = 0;
+  return rivals;
+}
+
+/// The pose that fits best; of those that fit equally well, the one that moves the points least.
+Eigen::Isometry3d best_of(const std::vector<PoseCandidate>& poses, const Eigen::Matrix3Xd& some) {
+  double least = poses.front().score;
+  for (const PoseCandidate& pose : poses) least = std::min(least, pose.score);
+  Eigen::Isometry3d best = poses.front().motion;
   double least_motion = kInfinity;
-  for (size_t i = 0; i < settled.size(); ++i) {
-    if (settled[i].score > kEqualScore * least + kConverged) continue;
-    const double motion = mean_displacement(settled[i].motion, Eigen::Isometry3d::Identity(), some);
-    if (motion < least_motion) {
-      least_motion = motion;
-      best = i;
-    }
+  for (const PoseCandidate& pose : poses) {
+    if (pose.score > kEqualScore * least + kConverged) continue;
+    const double motion = mean_displacement(pose.motion, Eigen::Isometry3d::Identity(), some);
+    if (motion >= least_motion) continue;
+    least_motion = motion;
+    best = pose.motion;
   }
-  choice.best = settled[best].motion;
+  return best;
+}
+
+/// The median distance at the best pose that is not this one.
+std::optional<double> best_other(const RegistrationTarget::Impl& target,
+                                 const Eigen::Matrix3Xd& some, const PoseSearch& search,
+                                 const Rivals& rivals, const Eigen::Isometry3d& chosen) {
+  std::optional<double> best;
   for (size_t i = 0; i < search.candidates.size(); ++i) {
-    const bool is_settled = i < settled.size();
-    const PoseCandidate& other = is_settled ? settled[i] : search.candidates[i];
-    if (mean_displacement(other.motion, choice.best, some) < kSamePose * cell) continue;
-    const double median = is_settled ? medians[i] : other.score;
-    choice.runner_up = std::min(choice.runner_up.value_or(kInfinity), median);
+    const bool is_refined = i < rivals.poses.size();
+    const PoseCandidate& other = is_refined ? rivals.poses[i] : search.candidates[i];
+    const double apart = mean_displacement(other.motion, chosen, some);
+    if (apart < kSamePose * target.grid().cell_size()) continue;
+    best = std::min(best.value_or(kInfinity), is_refined ? rivals.medians[i] : other.score);
   }
-  return choice;
+  return best;
+}
+
+/// How far the points moved beyond the range of the search: the range that contains the pose
+/// found; none if it was searched, or is so near that the trials of the verdict reach it.
+std::optional<SearchRange> range_beyond(const SearchRange& searched, const Eigen::Matrix3Xd& points,
+                                        const Eigen::Isometry3d& motion) {
+  const Eigen::Vector3d centroid = points.rowwise().mean();
+  const double radius = std::sqrt((points.colwise() - centroid).colwise().squaredNorm().mean());
+  const double turn = Eigen::AngleAxisd(motion.linear()).angle() - searched.rotation;
+  const double shift = (motion * centroid - centroid).norm() - searched.translation;
+  // Who starts farther off than told may also start turned farther, or shifted farther.
+  const double beyond = std::max(turn * radius, shift);
+  if (!(beyond > kTrialLength * radius)) return std::nullopt;
+  return SearchRange{.rotation = std::min(std::numbers::pi, searched.rotation + beyond / radius),
+                     .translation = searched.translation + beyond,
+                     .quantile = searched.quantile};
 }
 
 /// Precondition: the options are valid.
@@ -249,27 +274,38 @@ Registration register_to(const RegistrationTarget::Impl& surface,
                           .translation = options.search_translation * surface.scale,
                           .quantile = options.min_overlap};
   WorkSteps steps(options.progress, kSteps);
-  Choice choice;
+  const Eigen::Matrix3Xd few = spread_subset(source, kSearchPoints);
+  const Eigen::Matrix3Xd some = spread_subset(source, kCandidatePoints);
+  Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
+  std::optional<double> runner_up;
   result.starts = 1;
   if (range.rotation > 0 || range.translation > 0) {
-    const PoseSearch search =
-        search_poses(surface, spread_subset(source, kSearchPoints), range, steps);
+    const PoseSearch search = search_poses(surface, few, range, steps);
+    const Rivals rivals = refine_rivals(surface, some, search, range.quantile, steps);
     result.starts = search.starts;
-    choice = choose(surface, source, search, options.min_overlap, steps);
+    best = best_of(rivals.poses, some);
+    runner_up = best_other(surface, some, search, rivals, best);
     steps.tell();
   }
   SettledPose pose;
   if (options.method == RegistrationMethod::point_to_triangle) {
-    const Start start = settle_some(surface, source, choice.best, options, steps);
+    const Start start = settle_some(surface, source, best, options, steps);
     steps.tell();
     pose = settle(surface, source, start, options.min_overlap, options.max_iterations, steps);
   } else {
-    pose = settle_with_pcl(surface, source, choice.best, options);
+    pose = settle_with_pcl(surface, source, best, options);
   }
   steps.tell();
   result.T_target_source = surface.to_world(pose.motion) * options.T_target_source_start;
   result.iterations = pose.iterations;
-  judge(surface, source, pose, choice.runner_up, options, result);
+  judge(surface, source, pose, runner_up, options, result);
+  const std::optional<SearchRange> beyond = range_beyond(range, some, pose.motion);
+  if (beyond && result.verdict == RegistrationVerdict::accepted) {
+    const PoseSearch search = search_poses(surface, few, *beyond, steps);
+    const Rivals rivals = refine_rivals(surface, some, search, range.quantile, steps);
+    runner_up = best_other(surface, some, search, rivals, pose.motion);
+    judge(surface, source, pose, runner_up, options, result);
+  }
   steps.end();
   return result;
 }
@@ -285,12 +321,7 @@ Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
 Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                              const TriangleMesh& target, const RegistrationOptions& options) {
   check_options(options);
-  // PCL's methods need the size of a cell of the coarse map.
-  const bool search = options.search_rotation > 0 || options.search_translation > 0 ||
-                      options.method != RegistrationMethod::point_to_triangle;
-  return register_to(
-      RegistrationTarget::Impl(target, search ? TargetUse::once : TargetUse::once_without_search),
-      points, options);
+  return register_to(RegistrationTarget::Impl(target, TargetUse::once), points, options);
 }
 
 const char* to_string(RegistrationVerdict verdict) {

@@ -82,7 +82,7 @@ RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& fr
       tree({.vertices = frame.to_local(surface.vertices), .triangles = surface.triangles},
            use == TargetUse::often ? TreeBuild::thorough : TreeBuild::quick),
       diagonal(bounding_diagonal(tree.mesh())) {
-  if (use != TargetUse::once_without_search) grid_.emplace(tree.mesh());
+  if (use == TargetUse::often) (void)grid();
   find_border();
 }
 
@@ -184,20 +184,26 @@ void RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points, double slack
 
 void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,
                                              Pairing& pairing) const {
+  const SurfelGrid& map = grid();
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const Surfel& surfel = grid().nearest(points.col(i));
+    const Surfel& surfel = map.nearest(points.col(i));
     const Eigen::Vector3d foot = surfel.position.cast<double>();
     const Eigen::Vector3d normal = surfel.normal.cast<double>();
     const Eigen::Vector3d way = points.col(i) - foot;
     const double height = normal.dot(way);
     const double distance = way.norm();
-    const bool is_far = distance > 2 * grid().cell_size();
+    const bool is_far = distance > 2 * map.cell_size();
     pairing.normals.col(i) = normal;
     pairing.heights[i] = height;
     // At close range the surfel's plane approximates the surface better than its centre.
     pairing.distances[i] = is_far ? distance : std::abs(height);
     pairing.usable[i] = !is_far || std::abs(height) > kAlongNormal * distance;
   }
+}
+
+const SurfelGrid& RegistrationTarget::Impl::grid() const {
+  std::call_once(grid_made_, [this] { grid_.emplace(tree.mesh()); });
+  return *grid_;
 }
 
 const VertexCloud& RegistrationTarget::Impl::vertex_cloud() const {

@@ -40,7 +40,7 @@ struct TrackedPairing {
 };
 
 /// What a target is made for.
-enum class TargetUse { once_without_search, once, often };
+enum class TargetUse { once, often };
 
 struct RegistrationTarget::Impl {
   Impl(const TriangleMesh& mesh, TargetUse use);
@@ -56,8 +56,7 @@ struct RegistrationTarget::Impl {
   void pair(const Eigen::Matrix3Xd& points, double slack, TrackedPairing& tracked) const;
   /// Approximation from the coarse map, in constant time.
   void pair_coarsely(const Eigen::Matrix3Xd& points, Pairing& pairing) const;
-  /// The coarse map. Precondition: the target is not made for use without a search.
-  [[nodiscard]] const SurfelGrid& grid() const { return *grid_; }
+  [[nodiscard]] const SurfelGrid& grid() const;  ///< the coarse map, for `once` made at first use
   [[nodiscard]] const VertexCloud& vertex_cloud() const;  ///< created at the first call
 
   [[nodiscard]] Eigen::Isometry3d to_world(const Eigen::Isometry3d& local) const;
@@ -74,7 +73,8 @@ struct RegistrationTarget::Impl {
                                TrackedTriangle& tracked) const;
   [[nodiscard]] bool is_on_border(const SurfacePoint& foot) const;
 
-  std::optional<SurfelGrid> grid_;
+  mutable std::once_flag grid_made_;
+  mutable std::optional<SurfelGrid> grid_;
   std::vector<bool> border_sides_;  ///< side k of triangle t: 3 t + k, from corner k to the next
   std::vector<bool> border_vertices_;
   mutable std::once_flag cloud_made_;

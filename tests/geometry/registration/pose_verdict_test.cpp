@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <string>
+#include <utility>
 
 #include "mesh_corpus.h"
 #include "palpate/geometry/registration.h"
@@ -183,6 +185,100 @@ TEST(RegistrationVerdict, DoesNotAcceptScansOfDifferentParts) {
         register_points(right, left, {.search_rotation = 0.2, .search_translation = reach});
     EXPECT_NE(found.verdict, accepted) << reach << ": " << found.reason;
   }
+}
+
+/// Points of the bumpy surface from x = `from` mm on, with the noise of a scan.
+Matrix3Xd scanned_from(double from, int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 0.05);
+  const Matrix3Xd points = points_on(test::part_of_bumpy_surface(from, 105), count, seed);
+  return points.unaryExpr([&](double x) { return x + noise(random); });
+}
+
+TEST(RegistrationVerdict, AcceptsTheRightPoseOfScansThatOverlapByLessThanHalf) {
+  const RegistrationTarget left(test::part_of_bumpy_surface(0, 70));
+  for (const auto& [overlap, from] : {std::pair(0.3, 55), {0.4, 47}, {0.47, 39}}) {
+    for (unsigned seed = 1; seed <= 2; ++seed) {
+      const Matrix3Xd truth = scanned_from(from, 1000, seed);
+      const Vector3d middle = truth.rowwise().mean();
+      const Isometry3d off = Eigen::Translation3d(middle + Vector3d(5, -4, 4)) *
+                             Eigen::AngleAxisd(8 * kDegree, Vector3d(seed, 2, -3).normalized()) *
+                             Eigen::Translation3d(-middle);
+      const Registration found = register_points(
+          off * truth, left,
+          {.search_rotation = 0.3, .search_translation = 10, .min_overlap = 0.8 * overlap});
+      EXPECT_EQ(found.verdict, accepted) << overlap << " " << seed << ": " << found.reason;
+      EXPECT_LT(largest_distance(found.T_target_source * off * truth, truth), 1) << overlap;
+      EXPECT_NEAR(found.overlap, overlap, 0.06);
+      EXPECT_LT(found.median, 0.2);
+    }
+  }
+}
+
+TEST(RegistrationVerdict, AcceptsNoWrongPoseWhereALittleOverlapIsEnough) {
+  const TriangleMesh surface = bumpy_surface(), plate = test::flat_sheet(30, 24, 3.5);
+  const TriangleMesh sphere = test::icosphere(3, 50), range_map = test::bumpy(4000, 0.25);
+  const RegistrationTarget target(surface);
+  const RegistrationTarget left(test::part_of_bumpy_surface(0, 45));
+  const Vector3d middle = surface.vertices.rowwise().mean();
+  for (const double min_overlap : {0.4, 0.24}) {
+    const RegistrationOptions options{.search_rotation = 0.3, .min_overlap = min_overlap};
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      const auto at_middle = [&](const TriangleMesh& object) {
+        const Matrix3Xd points = points_on(object, 300, seed);
+        return Matrix3Xd(points.colwise() + (middle - points.rowwise().mean()));
+      };
+      RegistrationOptions near = options;
+      near.search_translation = 10;
+      for (const Registration& found :
+           {register_points(at_middle(range_map), target, options),
+            register_points(at_middle(sphere), target, options),
+            register_points(points_on(plate, 300, seed), plate, options),
+            register_points(points_on(sphere, 300, seed), sphere, options),
+            register_points(scanned_from(55, 300, seed), left, near)}) {
+        EXPECT_NE(found.verdict, accepted) << min_overlap << " " << seed << ": " << found.reason;
+      }
+    }
+  }
+}
+
+/// A torus with bumps, which turned by a thirteenth of a turn differs by 1.2 mm at most.
+TriangleMesh nearly_symmetric_torus() {
+  constexpr double kRadius = 80;
+  TriangleMesh torus = test::torus(130, 24, kRadius, 30);
+  for (auto p : torus.vertices.colwise()) {
+    const double angle = std::atan2(p.y(), p.x());
+    const Vector3d middle = kRadius * Vector3d(std::cos(angle), std::sin(angle), 0);
+    p = middle + (1 + 0.1 * std::cos(13 * angle) + 0.02 * std::cos(angle + 0.5)) * (p - middle);
+  }
+  return torus;
+}
+
+TEST(RegistrationVerdict, KnowsWhatWasNotSearchedIfThePointsStartFartherOffThanTold) {
+  const TriangleMesh torus = nearly_symmetric_torus();
+  const RegistrationTarget target(torus);
+  int wrong = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const Matrix3Xd truth = points_on(torus, 500, seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const Vector3d axis(normal(random), normal(random), normal(random));
+    const Vector3d way(normal(random), normal(random), normal(random));
+    const Isometry3d off = Eigen::Translation3d(60 * way.normalized()) *
+                           Eigen::AngleAxisd(30 * kDegree, axis.normalized());
+    const Registration found =
+        register_points(off * truth, target, {.search_rotation = 0, .search_translation = 0});
+    const bool is_right = (found.T_target_source * off * truth - truth).colwise().norm().mean() < 1;
+    EXPECT_TRUE(is_right || found.verdict != accepted) << seed << ": " << found.reason;
+    wrong += is_right ? 0 : 1;
+    // Near the start no other pose is, and nothing has to be searched.
+    const Isometry3d near =
+        Eigen::Translation3d(1, -2, 1) * Eigen::AngleAxisd(2 * kDegree, axis.normalized());
+    EXPECT_EQ(register_points(near * truth, target, {.search_rotation = 0, .search_translation = 0})
+                  .verdict,
+              accepted);
+  }
+  EXPECT_GT(wrong, 0);
 }
 
 /// The covariance foretells how the poses of many noisy scans scatter.

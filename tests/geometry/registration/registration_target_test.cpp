@@ -27,7 +27,7 @@ constexpr double kExchangeRounding = 1e-15;
 
 TEST(RegistrationTarget, PairsPointsOnTheirWayAsAtFirstSight) {
   const TriangleMesh surface = test::bumpy(20000, 0.25);
-  const RegistrationTarget::Impl target(surface, TargetUse::once_without_search);
+  const RegistrationTarget::Impl target(surface, TargetUse::once);
   const Matrix3Xd points =
       target.scale * (test::points_on(surface, 1000, 3).colwise() - target.centre);
   Isometry3d pose(Eigen::AngleAxisd(0.02, Vector3d(1, 2, -1).normalized()));
@@ -97,7 +97,7 @@ TEST(RegistrationTarget, LeavesOutPointsBesideTheSurfaceWhicheverWayItsTriangles
       surface.vertices.col(surface.triangles(0, count / 2)) + Vector3d(0, 0, 9);
   surface.triangles.col(count) << surface.triangles(0, count / 2), surface.triangles(1, count / 2),
       static_cast<int>(top);
-  const RegistrationTarget::Impl target(surface, TargetUse::once_without_search);
+  const RegistrationTarget::Impl target(surface, TargetUse::once);
   const Border border(surface);
   const SurfaceTree tree(surface);
   // Its vertices, points on it, and points around it.

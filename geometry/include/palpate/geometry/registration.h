@@ -33,7 +33,8 @@ struct RegistrationOptions {
   /// Start pose of the search.
   Eigen::Isometry3d T_target_source_start = Eigen::Isometry3d::Identity();
   /// [rad] largest rotation error of the start pose about the points' centroid; in [0, pi]. Poses
-  /// beyond it are not searched, and the verdict does not consider them.
+  /// beyond it are not searched, and the verdict does not consider them, unless the pose found is
+  /// itself beyond it: then the verdict considers all poses as far from the start as that.
   double search_rotation = std::numbers::pi / 4;
   /// [mm] largest position error of the points' centroid in the start pose; >= 0. Infinity means
   /// unknown, which works if the points cover the target or start within 10 % of its diagonal.
@@ -81,10 +82,12 @@ struct Registration {
   std::string reason;  ///< the verdict in a sentence, with figures
   /// [mm] root mean square distance of the `inliers` from the surface; NaN if there are none.
   double rms = 0;
-  double median = 0;   ///< [mm] median distance of all finite points from the surface
+  /// [mm] median distance of the finite points from the surface; if `min_overlap` is below 0.5, of
+  /// the nearest 2 `min_overlap` of them, because the others need not lie on the surface.
+  double median = 0;
   int inliers = 0;     ///< points whose distance is consistent with the others'
   double overlap = 0;  ///< `inliers` as a fraction of the finite points
-  /// [mm] median distance at the best different pose; empty if all starts led to the same pose.
+  /// [mm] the same at the best different pose; empty if all starts led to the same pose.
   std::optional<double> runner_up;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [mm] centroid of the moved points
   /// Covariance of the pose: s^2 (sum of j j^T)^-1, where j is the derivative of a point's distance
