@@ -94,7 +94,9 @@ void plan(const Settings& settings, PlanCall call) {
     made = probing::plan_contacts(mesh, call.options);
   } catch (const InvalidInput& error) {
     throw InvalidInput(
-        with_option_names(error.what(), {{"PlanOptions::highest_force", "--highest-force"},
+        with_option_names(error.what(), {{"PlanOptions::spacing", "--spacing"},
+                                         {"PlanOptions::tip_radius", "--tip-radius"},
+                                         {"PlanOptions::highest_force", "--highest-force"},
                                          {"PlanOptions::max_force", "--max-force"}}));
   }
   probing::write_plan(call.output, made);

@@ -47,12 +47,18 @@ FarthestPoints farthest_points(const TriangleMesh& mesh, std::span<const int> ca
   require("FarthestPointOptions::count", options.count, above(0));
   check_mesh(mesh, "farthest_points");
   const std::vector<SurfacePoint> places = vertex_points(mesh);
-  const std::vector<int> left = usable(mesh, candidates, places);
+  std::vector<int> left = usable(mesh, candidates, places);
   FarthestPoints found;
   if (left.empty()) return found;
   int next = nearest_to_mean(mesh, left);
   grow_distances(mesh, [&](const Eigen::VectorXd& distance) -> std::optional<SurfacePoint> {
     if (!found.vertices.empty()) {
+      // By rounding, the distance at a source may be above a very small spacing.
+      std::erase(left, next);
+      if (left.empty()) {
+        found.cover.push_back(0);
+        return std::nullopt;
+      }
       next = *std::max_element(left.begin(), left.end(),
                                [&](int a, int b) { return distance[a] < distance[b]; });
       found.cover.push_back(distance[next]);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/merge_scans.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -52,6 +54,11 @@ Grid grid_around(const std::vector<TriangleMesh>& meshes, double spacing, double
   for (const TriangleMesh& mesh : meshes) {
     low = low.cwiseMin(mesh.vertices.rowwise().minCoeff());
     high = high.cwiseMax(mesh.vertices.rowwise().maxCoeff());
+  }
+  if (!(spacing <= (high - low).norm())) {
+    throw InvalidInput(fmt::format(
+        "MergeScansOptions::spacing is {} mm; it must be at most the size of the scans, {:.4g} mm",
+        spacing, (high - low).norm()));
   }
   const double margin = (reach + 2) * spacing;
   const double extent = (high - low).maxCoeff() + 2 * margin;

@@ -10,6 +10,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/probing/measurable.h"
 #include "palpate/require.h"
 
 namespace palpate::haptics {
@@ -45,8 +46,9 @@ struct Ratios {
 void check(const ForceSamples& samples, const Eigen::Vector3d& cone_axis,
            const FrictionAxisOptions& options) {
   require("FrictionAxisOptions::displacement_noise", options.displacement_noise,
-          at_least(0).finite(), "mm");
-  require("FrictionAxisOptions::force_noise", options.force_noise, above(0).finite(), "N");
+          at_least(0).at_most(probing::kLargestMeasurement), "mm");
+  require("FrictionAxisOptions::force_noise", options.force_noise,
+          above(0).at_most(probing::kLargestMeasurement), "N");
   if (!(cone_axis.norm() > 0) || !cone_axis.allFinite()) {
     throw InvalidInput("fit_friction_axis(): the cone's axis must be finite and not zero");
   }

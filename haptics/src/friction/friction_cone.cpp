@@ -15,6 +15,7 @@
 #include "friction/slip_likelihood.h"
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/probing/measurable.h"
 #include "palpate/require.h"
 
 namespace palpate::haptics {
@@ -170,18 +171,20 @@ double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Ve
 
 void check(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
            const FrictionOptions& options) {
-  require("FrictionOptions::force_noise", options.force_noise, above(0).finite(), "N");
-  require("FrictionOptions::steady_error", options.steady_error, at_least(0).finite(), "N");
-  require("FrictionOptions::load.force", options.load.force, above(0).finite(), "N");
+  constexpr double kLargest = probing::kLargestMeasurement;  // squares are taken of all of these
+  require("FrictionOptions::force_noise", options.force_noise, above(0).at_most(kLargest), "N");
+  require("FrictionOptions::steady_error", options.steady_error, at_least(0).at_most(kLargest),
+          "N");
+  require("FrictionOptions::load.force", options.load.force, above(0).at_most(kLargest), "N");
   require("FrictionOptions::load.exponent", options.load.exponent,
           at_least(-kLargestLoadExponent).at_most(kLargestLoadExponent));
   if (!(normal.norm() > 0) || !normal.allFinite()) {
     throw InvalidInput("fit_friction(): the normal must be finite and not zero");
   }
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    if (trials[i].force.allFinite()) continue;
+    if (probing::is_measurable(trials[i].force)) continue;
     throw InvalidInput("fit_friction(): the force of trial " + std::to_string(i) +
-                       " is not finite; leave it out");
+                       " is not finite, or beyond 1e12 N; leave it out");
   }
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/probing/measurable.h"
 #include "palpate/require.h"
 
 namespace palpate::probing {
@@ -126,7 +127,7 @@ ConePosterior::ConePosterior(const Eigen::Vector3d& pressing, const ConePrior& p
   require("ConePrior::angle", prior.angle, at_least(0).at_most(kLargestAngle), "rad");
   require("ConePrior::angle_deviation", prior.angle_deviation, above(0).finite(), "rad");
   require("ConePrior::tilt_deviation", prior.tilt_deviation, above(0).finite(), "rad");
-  require("ConePrior::force_noise", prior.force_noise, above(0).finite(), "N");
+  require("ConePrior::force_noise", prior.force_noise, above(0).at_most(kLargestMeasurement), "N");
   if (!(pressing.norm() > 0) || !pressing.allFinite())
     throw InvalidInput("ConePosterior: the pressing direction must be finite and not zero");
   frame_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), pressing).matrix();

@@ -12,9 +12,11 @@
 #include "palpate/error.h"
 #include "palpate/geometry/farthest_points.h"
 #include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/parallel_for.h"
+#include "palpate/probing/measurable.h"
 #include "palpate/require.h"
 #include "records/record_hash.h"
 
@@ -27,6 +29,8 @@ using geometry::TriangleMesh;
 /// the noise of scans at usual radii.
 constexpr double kObstruction = 0.1;
 constexpr int kEligibilities = 5;
+/// Most places that a plan looks at: an arm would take years for them.
+constexpr double kMostPlaces = 1e5;
 constexpr double kGoldenAngle = 2 * std::numbers::pi * (2 - std::numbers::phi);  // [rad]
 
 void check_options(const PlanOptions& options) {
@@ -36,14 +40,45 @@ void check_options(const PlanOptions& options) {
   require("PlanOptions::border", options.border, at_least(0).finite());
   require("PlanOptions::view_angle", options.view_angle, above(0).at_most(std::numbers::pi / 2),
           "rad");
-  require("PlanOptions::lowest_force", options.lowest_force, above(0).finite(), "N");
-  require("PlanOptions::highest_force", options.highest_force,
-          at_least(options.lowest_force).finite(), "N");
-  require("PlanOptions::max_force", options.max_force, at_least(options.highest_force).finite(),
+  require("PlanOptions::lowest_force", options.lowest_force, above(0).at_most(kLargestMeasurement),
           "N");
+  require("PlanOptions::highest_force", options.highest_force,
+          at_least(options.lowest_force).at_most(kLargestMeasurement), "N");
+  require("PlanOptions::max_force", options.max_force,
+          at_least(options.highest_force).at_most(kLargestMeasurement), "N");
   require("PlanOptions::levels", options.levels, above(0));
   require("PlanOptions::directions", options.directions, at_least(0));
   for (const double place : options.sensor) require("PlanOptions::sensor", place, finite(), "mm");
+}
+
+/// Distance of the lines of a grid: all neighbours on it are equally far apart.
+double line_distance(double spacing) { return spacing * std::sqrt(3) / 2; }
+
+double in_three_digits(double value) {
+  const double scale = std::pow(10, 2 - std::floor(std::log10(value)));
+  return std::round(value * scale) / scale;
+}
+
+/// Refuses options that make no sense on a surface of this size.
+void check_size(const TriangleMesh& mesh, const PlanOptions& options) {
+  const double diagonal = geometry::bounding_diagonal(mesh);
+  if (diagonal == 0) return;  // no place may be probed
+  require("PlanOptions::tip_radius", options.tip_radius,
+          above(0).at_most(in_three_digits(diagonal)), "mm");
+  const Eigen::Vector3d sides =
+      mesh.vertices.rowwise().maxCoeff() - mesh.vertices.rowwise().minCoeff();
+  const bool is_grid = options.pattern == PlanPattern::grid;
+  // Contacts in farthest-point order are vertices, of which there are no more than that.
+  const double most = std::min<double>(options.contacts, static_cast<double>(mesh.vertices.cols()));
+  if (!is_grid && most <= kMostPlaces) return;
+  // A surface that the sensor sees edge-on has lines of the grid as well.
+  const double longest = std::max(sides.x(), sides.y());
+  const double area = is_grid ? std::max(sides.x() * sides.y(), longest * longest / kMostPlaces)
+                              : geometry::surface_area(mesh);
+  if (area == 0) return;
+  require("PlanOptions::spacing, on this surface with at most 100000 places,", options.spacing,
+          at_least(in_three_digits(std::sqrt(area / (kMostPlaces * line_distance(1))))).finite(),
+          "mm");
 }
 
 /// The vertices that share an edge with each vertex.
@@ -140,8 +175,9 @@ std::vector<int> grid_vertices(const TriangleMesh& mesh, std::span<const Eligibi
                         high = mesh.vertices.rowwise().maxCoeff();
   const double depth = high.z() - low.z() + options.spacing;
   std::vector<int> found;
+  std::vector<bool> is_found(eligible.size());
   bool shifted = false;
-  const double line = options.spacing * std::sqrt(3) / 2;  // all neighbours are equally far apart
+  const double line = line_distance(options.spacing);
   for (double y = low.y() + line / 2; y < high.y(); y += line, shifted = !shifted) {
     for (double x = low.x() + options.spacing * (shifted ? 1 : 0.5); x < high.x();
          x += options.spacing) {
@@ -153,7 +189,9 @@ std::vector<int> grid_vertices(const TriangleMesh& mesh, std::span<const Eligibi
       hit->at.barycentric.maxCoeff(&corner);
       const int v = mesh.triangles(corner, hit->at.triangle);
       if (eligible[static_cast<std::size_t>(v)] != Eligibility::eligible) continue;
-      if (std::find(found.begin(), found.end(), v) == found.end()) found.push_back(v);
+      if (is_found[static_cast<std::size_t>(v)]) continue;
+      is_found[static_cast<std::size_t>(v)] = true;
+      found.push_back(v);
       if (static_cast<int>(found.size()) >= options.contacts) return found;
     }
   }
@@ -212,6 +250,7 @@ std::vector<Eligibility> eligibility(const TriangleMesh& mesh, const PlanOptions
                                      Eigen::Matrix3Xd& normals) {
   check_options(options);
   geometry::check_mesh(mesh, "plan_contacts");
+  check_size(mesh, options);
   normals = fitted_normals(mesh, options.tip_radius);
   const std::vector<bool> at_border = near_border(mesh, options.border * options.tip_radius);
   const geometry::SurfaceQuery query(mesh);

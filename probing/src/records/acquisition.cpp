@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/probing/measurable.h"
 #include "palpate/require.h"
 
 namespace palpate::probing {
@@ -19,10 +20,9 @@ std::string contact_name(const Contact& contact) { return "contact " + std::to_s
 std::string sample_name(const Sample& sample) { return "sample " + std::to_string(sample.id); }
 
 void check_contact(const Contact& contact) {
-  if (!contact.position.allFinite()) {
-    throw InvalidInput(
-        contact_name(contact) +
-        ": its position x,y,z is not finite; measure it again or leave the contact out");
+  if (!is_measurable(contact.position)) {
+    throw InvalidInput(contact_name(contact) + ": its position x,y,z is not finite, or beyond " +
+                       "1e12 mm; measure it again or leave the contact out");
   }
   if (!contact.normal.allFinite() || std::abs(contact.normal.norm() - 1) > kUnitLengthTolerance) {
     throw InvalidInput(contact_name(contact) + ": its normal nx,ny,nz has length " +
@@ -64,9 +64,10 @@ void check_sample(const Sample& sample,
     throw InvalidInput(sample_name(sample) + ": there is no contact " +
                        std::to_string(sample.contact) + "; add the contact or remove the sample");
   }
-  if (!sample.force.allFinite() || !sample.a.allFinite() || !sample.b.allFinite()) {
+  if (!is_measurable(sample.force) || !is_measurable(sample.a) || !is_measurable(sample.b)) {
     throw InvalidInput(sample_name(sample) + " (contact " + std::to_string(sample.contact) +
-                       "): its force p or its positions a, b are not finite; remove the sample");
+                       "): its force p or its positions a, b are not finite, or beyond 1e12 N or " +
+                       "mm; remove the sample");
   }
   require([&] { return sample_name(sample) + ": time since the acquisition began"; }, sample.time,
           at_least(0).finite(), "s");
@@ -115,7 +116,8 @@ CheckedAcquisition::CheckedAcquisition(Acquisition acquisition)
     : records_(std::move(acquisition)),
       index_(check_contacts(records_.contacts)),
       begin_(records_.contacts.size() + 1, 0) {
-  require("Acquisition::probe_radius", records_.probe_radius, above(0).finite(), "mm");
+  require("Acquisition::probe_radius", records_.probe_radius, above(0).at_most(kLargestMeasurement),
+          "mm");
   std::vector<Sample>& samples = records_.samples;
   check_samples(samples, index_);
   const auto contact_of = [this](const Sample& sample) { return index_.at(sample.contact); };

@@ -85,6 +85,16 @@ TEST(FarthestPoints, AreOnEachPartOfTheSurface) {
   EXPECT_NE(found.vertices[0] < first, found.vertices[1] < first);
 }
 
+TEST(FarthestPoints, TakesEachVertexOnceHoweverSmallTheSpacingIs) {
+  TriangleMesh rough = test::icosphere(3, 30);  // where distances at sources are not exactly 0
+  const FarthestPoints found = farthest_points(rough, all_vertices(rough), {.spacing = 1e-300});
+  std::vector<int> vertices = found.vertices;
+  std::ranges::sort(vertices);
+  EXPECT_EQ(vertices, all_vertices(rough));
+  EXPECT_EQ(found.cover.size(), vertices.size());
+  EXPECT_EQ(found.cover.back(), 0);
+}
+
 TEST(FarthestPoints, RefusesWhatIsNoSpacingOrNoVertex) {
   const TriangleMesh mesh = flat_sheet(4, 4, 1);
   const std::vector<int> wrong{3, 25};

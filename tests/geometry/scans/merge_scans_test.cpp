@@ -346,6 +346,17 @@ TEST(MergeScans, RefuseAGridThatDoesNotFitIntoMemory) {
               ::testing::ThrowsMessage<InvalidInput>(::testing::HasSubstr("too many points")));
 }
 
+TEST(MergeScans, RefuseASpacingBeyondTheirSize) {
+  const std::vector<Scan> scans = {{.mesh = test::icosphere(3, 30)}};
+  for (const double spacing : {104.0, 1e18, 1e155, 1e300}) {
+    EXPECT_THAT([&] { (void)merge_scans(scans, {.spacing = spacing}); },
+                ::testing::ThrowsMessage<InvalidInput>(
+                    ::testing::AllOf(::testing::HasSubstr("MergeScansOptions::spacing is"),
+                                     ::testing::HasSubstr("at most the size of the scans, 103.9"))))
+        << spacing;
+  }
+}
+
 TEST(MergeScans, RefusesWhatIsNoScan) {
   EXPECT_THROW((void)merge_scans({}), InvalidInput);
   std::vector<Scan> scans(2, {.mesh = test::icosphere(1, 30)});

@@ -271,9 +271,14 @@ TEST(FitFriction, RefusesWhatIsNotFinite) {
               ::testing::HasSubstr("normal"));
   EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal, {.force_noise = 0}); }),
               ::testing::HasSubstr("force_noise"));
-  trials[6].force.y() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal); }),
-              ::testing::HasSubstr("trial 6"));
+  // A noise and forces whose squares overflow would be cooled for ever.
+  EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal, {.force_noise = 1e155}); }),
+              ::testing::HasSubstr("force_noise"));
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), 1e13, 1e155, -1e300}) {
+    trials[6].force.y() = bad;
+    EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal); }),
+                ::testing::HasSubstr("trial 6"));
+  }
 }
 
 const probing::Contact kTriedContact{1, {0, 0, 700}, {0, 0, -1}};

@@ -72,7 +72,7 @@ TEST_F(AcquisitionImport, MovesEverythingIntoTheFrameOfTheSurface) {
   Eigen::Isometry3d T(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
   T.translation() = Eigen::Vector3d(100.5, -20, 3);
   Acquisition expected = small_acquisition();
-  expected.samples[2].b.z() = 6;  // 1e300 loses what is added to it
+  expected.samples[2].b.z() = 6;  // 1e12 loses what is added to it
   write_acquisition_csv(expected, folder / "c.csv", folder / "s.csv");
   const CheckedAcquisition found = import({"c.csv", "s.csv"}, {.T_surface_file = T});
   for (std::size_t i = 0; i < expected.contacts.size(); ++i) {

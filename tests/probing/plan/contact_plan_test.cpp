@@ -10,6 +10,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/geodesic_distance.h"
+#include "refusal.h"
 #include "test_surfaces.h"
 
 namespace palpate::probing {
@@ -17,6 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 using geometry::TriangleMesh;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // A height field before a sensor at the origin: z = 600 mm minus the height, turned towards it.
@@ -150,6 +152,27 @@ TEST(ContactPlan, SaysWhyNoPlaceIsLeft) {
   EXPECT_THAT(message(plane(), {.highest_force = 4}), HasSubstr("PlanOptions::max_force is 3"));
   EXPECT_THAT(message(plane(), {.levels = 0}), HasSubstr("PlanOptions::levels is 0"));
   EXPECT_THAT(message(TriangleMesh{}, {}), HasSubstr("triangle"));
+}
+
+TEST(ContactPlan, RefusesASpacingAndATipThatDoNotSuitTheSurface) {
+  const auto message = [](const PlanOptions& options) {
+    return refusal([&] { return plan_contacts(plane(), options); });
+  };
+  const PlanPattern grid = PlanPattern::grid;
+  // 90 x 75 mm: a grid of 0.28 mm has 100,000 places.
+  for (const double spacing : {0.25, 1e-3, 1e-100}) {
+    EXPECT_THAT(message({.pattern = grid, .spacing = spacing}),
+                AllOf(HasSubstr("PlanOptions::spacing"), HasSubstr("it must be >= 0.279")));
+    EXPECT_THAT(message({.pattern = grid, .spacing = spacing, .contacts = 3}),
+                HasSubstr("PlanOptions::spacing"));
+  }
+  for (const double radius : {120.0, 1e155})
+    EXPECT_THAT(message({.tip_radius = radius}), HasSubstr("PlanOptions::tip_radius"));
+  EXPECT_THAT(message({.highest_force = 1e155, .max_force = 1e155}),
+              HasSubstr("PlanOptions::highest_force"));
+  // In farthest-point order there are no more contacts than vertices.
+  const TriangleMesh coarse = seen(6, 5, 15, [](double, double) { return 0.0; });
+  EXPECT_EQ(plan_contacts(coarse, {.spacing = 1e-100, .border = 0}).contacts.size(), 7U * 6U);
 }
 
 TEST(ContactPlan, LevelsAreGeometricAndDirectionsEven) {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <utility>
@@ -89,6 +90,24 @@ TEST(CheckedAcquisition, NamesTheSampleThatIsWrong) {
               AllOf(HasSubstr("sample 1"), HasSubstr("unique")));
   EXPECT_THAT(refused_with([](Sample& s) { s.slipped = s.on_friction_boundary = true; }),
               AllOf(HasSubstr("sample 7"), HasSubstr("both")));
+}
+
+TEST(CheckedAcquisition, RefusesForcesAndLengthsThatNobodyMeasures) {
+  for (const double bad : {1.1e12, -1e155, 1e300}) {
+    Acquisition acquisition = small_acquisition();
+    acquisition.contacts[1].position.x() = bad;
+    EXPECT_THAT(refused_acquisition(acquisition),
+                AllOf(HasSubstr("contact 8"), HasSubstr("1e12 mm")));
+    for (Eigen::Vector3d Sample::*vector : {&Sample::force, &Sample::a, &Sample::b}) {
+      acquisition = small_acquisition();
+      (acquisition.samples[2].*vector).y() = bad;
+      EXPECT_THAT(refused_acquisition(acquisition),
+                  AllOf(HasSubstr("sample 7"), HasSubstr("1e12 N")));
+    }
+    acquisition = small_acquisition();
+    acquisition.probe_radius = std::abs(bad);
+    EXPECT_THAT(refused_acquisition(acquisition), HasSubstr("probe_radius"));
+  }
 }
 
 std::vector<long long> ids_of(std::span<const Sample> samples) {

@@ -18,7 +18,7 @@ inline Acquisition small_acquisition() {
   acquisition.samples = {
       {1, 3, 0, {0.1, 0.2, 1e-17}, {1, 2, 3}, {4, 5, 6}, true, false, {}, 0},
       {2, 3, 0, {0.3, 0.2, 1.1}, {1, 2, 3}, {4, 5, 6}, false, true, "range/7, left.tiff", 12.1},
-      {7, 8, 1, {-0.3, 0.2, 2.0 / 3}, {1, 2, 3}, {4, 5, 1e300}, false, false, {}, 24.2}};
+      {7, 8, 1, {-0.3, 0.2, 2.0 / 3}, {1, 2, 3}, {4, 5, 1e12}, false, false, {}, 24.2}};
   return acquisition;
 }
 

@@ -56,10 +56,11 @@ inline constexpr double kSamePlaceTolerance = 1e-6;
 inline constexpr double kUnitLengthTolerance = 2e-3;
 
 /// An acquisition that was checked once, when it was made or read. Functions that take one need not
-/// check it again. It has at least one contact, finite numbers, unit normals, unique ids, no two
-/// contacts at one place, only samples of its contacts, no negative time, no sample that both
-/// slipped and held, and no probe's radius that is not above 0. The samples of each contact stand
-/// together, contact by contact, otherwise in the order in which they were given.
+/// check it again. It has at least one contact, finite numbers, lengths and forces of at most
+/// `kLargestMeasurement` (measurable.h), unit normals, unique ids, no two contacts at one place,
+/// only samples of its contacts, no negative time, no sample that both slipped and held, and no
+/// probe's radius that is not above 0. The samples of each contact stand together, contact by
+/// contact, otherwise in the order in which they were given.
 class CheckedAcquisition {
  public:
   /// Implicit, so that an `Acquisition` is checked wherever a checked one is expected.

@@ -35,11 +35,12 @@ enum class Eligibility {
 
 struct PlanOptions {
   PlanPattern pattern = PlanPattern::farthest_point;
-  double spacing = 14;                             ///< [mm] least distance of contacts; > 0
+  /// [mm] least distance of contacts; > 0, and so large that a plan has at most 100,000 places
+  double spacing = 14;
   int contacts = std::numeric_limits<int>::max();  ///< most contacts; > 0
-  double tip_radius = 3;                           ///< [mm] R of the tip, a ball; > 0
-  double border = 1.5;                             ///< distance from the border >= border R; >= 0
-  double view_angle = 1.22;                        ///< [rad] normal to sensor <= this; in (0, pi/2]
+  double tip_radius = 3;     ///< [mm] R of the tip, a ball; in (0, size of the surface]
+  double border = 1.5;       ///< distance from the border >= border R; >= 0
+  double view_angle = 1.22;  ///< [rad] normal to sensor <= this; in (0, pi/2]
   Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  ///< [mm] place of the sensor
 
   double lowest_force = 0.15;  ///< [N] normal force of the lowest level; > 0

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+namespace palpate::probing {
+
+/// [mm] or [N]: nobody measures a longer length or a larger force, and a model file holds no larger
+/// number. Squares and products of numbers within it are far from overflow.
+inline constexpr double kLargestMeasurement = 1e12;
+
+/// Whether all components are finite and at most `kLargestMeasurement` in size.
+[[nodiscard]] inline bool is_measurable(const Eigen::Vector3d& vector) {
+  return (vector.array().abs() <= kLargestMeasurement).all();  // false for NaN
+}
+
+}  // namespace palpate::probing
