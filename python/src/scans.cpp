@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arrays.h"
@@ -53,7 +54,18 @@ void add_merging(py::module_& module) {
           "sigma",
           [](const py::object& self) { return vector_view(self.cast<MergedScans&>().sigma, self); },
           "[mm] (V,) standard deviations of the vertices; empty unless all scans have sigmas.")
-      .def_readonly("spacing", &MergedScans::spacing, "[mm] of the grid.");
+      .def_readonly("spacing", &MergedScans::spacing, "[mm] of the grid.")
+      .def_property_readonly(
+          "conflicts",
+          [](const MergedScans& merged) {
+            std::vector<std::tuple<int, int, double, double>> pairs;
+            for (const geometry::ScanConflict& found : merged.conflicts)
+              pairs.emplace_back(found.scan, found.other, found.share, found.depth);
+            return pairs;
+          },
+          "Read this before you use the mesh: (scan, other, share, depth [mm]) of the pairs of "
+          "scans that disagree, the worst first. A share of the places that the first saw lies "
+          "behind the surface of the other.");
   module.def(
       "merge_scans",
       [](const std::vector<TriangleMesh>& meshes, const std::vector<py::object>& poses,

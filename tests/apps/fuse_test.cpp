@@ -24,6 +24,7 @@ namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr double kBallRadius = 40;  // [mm]
@@ -97,6 +98,7 @@ TEST_F(Fuse, FramesOfAStillBallHaveLessNoiseTogetherAndSayHowMuch) {
   const auto all = figures({"fuse", scratch / "range", "-o", scratch / "all.ply"});
   EXPECT_EQ(all["scans"], 9);
   EXPECT_EQ(all["components"], 1);
+  EXPECT_TRUE(all["conflicts"].empty());
   EXPECT_NEAR(rms_error(scratch / "one.ply") / rms_error(scratch / "all.ply"), 3, 0.6);
   EXPECT_NEAR(one["median_sigma"].get<double>(), 0.3, 1e-6);
   EXPECT_NEAR(all["median_sigma"].get<double>(), 0.1, 1e-6);
@@ -115,7 +117,17 @@ TEST_F(Fuse, PosesBringScansTogether) {
   (void)figures({"fuse", scratch / "range", "--pose", scratch / "poses", "-o", scratch / "x.ply"});
   EXPECT_LT(rms_error(scratch / "x.ply"), 0.05);
   // Without them the mean of two balls is no ball.
-  (void)figures({"fuse", scratch / "range", "-o", scratch / "y.ply"});
+  const std::vector<std::string> call = {"fuse", scratch / "range", "-o", scratch / "y.ply"};
+  const CommandResult refused = run_palpate(call);
+  EXPECT_EQ(refused.status, kWorkFailed);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("range/a.tiff"), HasSubstr("range/b.tiff"),
+                                 HasSubstr("disagree where they overlap"), HasSubstr("--force")));
+  EXPECT_FALSE(fs::exists(scratch / "y.ply"));
+  std::vector<std::string> forced = call;
+  forced.emplace_back("--force");
+  const auto pairs = figures(forced)["conflicts"];
+  ASSERT_GE(pairs.size(), 1U);
+  EXPECT_GT(pairs[0]["hidden"].get<double>(), 0.1);
   EXPECT_GT(rms_error(scratch / "y.ply"), 0.5);
 }
 

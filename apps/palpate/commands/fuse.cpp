@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -38,6 +39,7 @@ struct FuseCall {
   geometry::ReadOptions meshes;
   ScanRegistration registration;
   geometry::MergeScansOptions options;
+  bool force = false;  ///< fuse scans that disagree
 };
 
 /// The files of all scans: range maps, also of folders, or meshes.
@@ -112,7 +114,9 @@ geometry::Scan read_scan(const FuseCall& call, const fs::path& file) {
   if (meshed.mesh.triangles.cols() == 0)
     throw InvalidInput(file.string() + ": no two neighbouring pixels have a depth.");
   Eigen::VectorXd sigma = read_sigma(file, meshed);
-  return {.mesh = std::move(meshed.mesh), .sigma = std::move(sigma)};
+  return {.mesh = std::move(meshed.mesh),
+          .sigma = std::move(sigma),
+          .viewpoint = Eigen::Vector3d::Zero()};
 }
 
 /// Merges, with the names of files and options in messages.
@@ -125,12 +129,42 @@ geometry::MergedScans merge_named(const FuseCall& call, const std::vector<geomet
   } catch (const InvalidInput& error) {
     std::vector<std::pair<std::string, std::string>> words = {
         {"MergeScansOptions::max_memory", "--max-memory"},
+        {"MergeScansOptions::spacing", "--spacing"},
         {"repair_mesh", "palpate mesh --repair"}};
     // The last first, so that no number begins another.
     for (std::size_t i = names.size(); i-- > 0;)
       words.emplace_back("merge_scans: scan " + std::to_string(i), names[i]);
     throw InvalidInput(with_option_names(error.what(), words));
   }
+}
+
+/// Refuses scans that disagree where they overlap, unless the call insists.
+/// \return the pairs that disagree, with the names of their files.
+Json refuse_conflicts(const FuseCall& call, const geometry::MergedScans& merged,
+                      const std::vector<std::string>& names) {
+  Json pairs = Json::array();
+  const auto name = [&](int scan) { return names[static_cast<std::size_t>(scan)]; };
+  for (const geometry::ScanConflict& conflict : merged.conflicts) {
+    pairs.push_back({{"scan", name(conflict.scan)},
+                     {"other", name(conflict.other)},
+                     {"hidden", conflict.share},
+                     {"depth", conflict.depth}});
+  }
+  if (pairs.empty()) return pairs;
+  const geometry::ScanConflict& worst = merged.conflicts.front();
+  const std::string found = fmt::format(
+      "{} and {} disagree where they overlap: {:.0f} % of the places that the first saw lie behind "
+      "the surface of the second, by {:.3g} mm (median){}",
+      name(worst.scan), name(worst.other), 100 * worst.share, worst.depth,
+      pairs.size() > 1 ? fmt::format("; so do {} more pairs of scans", pairs.size() - 1) : "");
+  if (!call.force) {
+    throw SolverError(found +
+                      ". The object moved, the scans show different scenes, or poses are wrong. "
+                      "Fuse only scans of an object that holds still, pass their poses with --pose "
+                      "or find them with --register; --force fuses these nevertheless");
+  }
+  spdlog::warn("{}.", found);
+  return pairs;
 }
 
 geometry::MeshFile mesh_file(const geometry::MergedScans& merged) {
@@ -161,6 +195,7 @@ void fuse(const Settings& settings, const FuseCall& call) {
   if (call.registration.wanted)
     registered = register_named_scans(scans, names, "scan", call.registration);
   const geometry::MergedScans merged = merge_named(call, scans, names);
+  const Json conflicts = refuse_conflicts(call, merged, names);
   geometry::write_mesh_file(call.output, mesh_file(merged));
   if (!call.picture.empty()) {
     pictures::draw_mesh(call.picture, merged.mesh, "fused from " + counted(scans.size(), "scan"),
@@ -171,7 +206,8 @@ void fuse(const Settings& settings, const FuseCall& call) {
                   {"spacing", merged.spacing},
                   {"vertices", merged.mesh.vertices.cols()},
                   {"triangles", merged.mesh.triangles.cols()},
-                  {"components", components}};
+                  {"components", components},
+                  {"conflicts", conflicts}};
   std::string prose;
   if (merged.sigma.size() > 0) {
     const double sigma =
@@ -225,10 +261,14 @@ void add_fuse(CLI::App& app, const Settings& settings) {
                    "Refuse a grid that needs more memory than this [GB]")
       ->check(within(above(0)))
       ->capture_default_str();
+  command->add_flag("--force", call->force,
+                    "Fuse scans that disagree where they overlap, which is refused otherwise");
   command->add_option("--picture", call->picture, "Also draw the surface (PNG)");
   command->footer(
       "The signed distances of all scans are averaged on a grid, and the surface is where they are "
-      "zero. It is open where no scan measured. If decode --sigma has written the standard "
+      "zero. It is open where no scan measured. All scans must show the object in one state: where "
+      "one saw through the surface of another, by more than the reach, they disagree (exit status "
+      "1). If decode --sigma has written the standard "
       "deviations of all range maps beside them, the mean is weighted by them, and a PLY file gets "
       "the standard deviation of each vertex (sigma) that the noise of the scans leaves.\n"
       "Examples:\n  palpate fuse range/ -o still.ply                        # frames of a still "

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -14,9 +15,12 @@
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
+#include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/surface_query.h"
 #include "palpate/require.h"
 #include "scans/distance_volume.h"
 #include "scans/registered_scans.h"
+#include "scans/scan_conflicts.h"
 #include "scans/scan_distance.h"
 #include "scans/volume_surface.h"
 
@@ -27,6 +31,8 @@ namespace {
 constexpr double kOverhang = 2;
 /// The surface is cut where it is farther than this beyond all scans. [spacings]
 constexpr double kLargestBeyond = 0.5;
+/// Parts up to this size are left out if a larger one is as near. [reaches]
+constexpr double kScraps = 2;
 constexpr double kGigabyte = 1e9;
 /// Bytes for each grid point: the points of a scan and all points before and after they are
 /// combined; or all points, their neighbours and the pieces in their cells.
@@ -99,6 +105,33 @@ Eigen::Matrix3Xi measured_triangles(const VolumeSurface& surface, double largest
   return triangles;
 }
 
+/// The triangles without those of small parts near a larger one.
+/// \param size [mm] largest diagonal of a small part, and how near it lies.
+Eigen::Matrix3Xi without_scraps(const TriangleMesh& mesh, double size) {
+  const ConnectedComponents parts = connected_components(mesh);
+  std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(parts.count));
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    for (const int v : mesh.triangles.col(t))
+      boxes[static_cast<std::size_t>(parts.component[t])].extend(mesh.vertices.col(v));
+  }
+  const auto split = [&](const auto& belongs) {
+    std::vector<Eigen::Index> chosen;
+    for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+      if (belongs(static_cast<std::size_t>(parts.component[t]))) chosen.push_back(t);
+    }
+    return Eigen::Matrix3Xi(mesh.triangles(Eigen::all, chosen));
+  };
+  const auto is_large = [&](std::size_t part) { return boxes[part].diagonal().norm() > size; };
+  const TriangleMesh large{.vertices = mesh.vertices, .triangles = split(is_large)};
+  if (large.triangles.cols() == mesh.triangles.cols() || large.triangles.cols() == 0)
+    return mesh.triangles;
+  const SurfaceQuery query(large);
+  std::vector<bool> kept(boxes.size());
+  for (std::size_t part = 0; part < boxes.size(); ++part)
+    kept[part] = is_large(part) || query.closest_point(boxes[part].center()).distance > size;
+  return split([&](std::size_t part) { return kept[part]; });
+}
+
 }  // namespace
 
 MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& options) {
@@ -115,6 +148,8 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
   MergedScans merged;
   merged.spacing = options.spacing.value_or(median_edge_length(meshes, "merge_scans"));
   const Grid grid = grid_around(meshes, merged.spacing, options.reach);
+  const double reach = options.reach * grid.spacing;
+  ConflictSearch conflicts(scans, meshes, reach);
   std::vector<GridDistance> volume;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     check_memory(meshes[i], volume.size(), grid, options, "merge_scans: scan " + std::to_string(i));
@@ -124,10 +159,11 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
       if (options.progress)
         options.progress(static_cast<int>(done), static_cast<int>(scans.size()));
     };
-    volume = combine(
-        volume, distances_around(scan, grid, options.reach * grid.spacing, [&] { report(i); }));
+    conflicts.add(static_cast<int>(i), scan);
+    volume = combine(volume, distances_around(scan, grid, reach, [&] { report(i); }));
     report(i + 1);
   }
+  merged.conflicts = conflicts.found();
   VolumeSurface surface = zero_surface(grid, volume);
   surface.mesh.triangles = measured_triangles(surface, kLargestBeyond * grid.spacing);
   if (surface.mesh.triangles.cols() == 0) {
@@ -136,12 +172,15 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
   }
   // Cells with two pieces can pinch the surface, and vertices without triangles are left over.
   RepairedMesh repaired = repair_mesh(surface.mesh);
-  merged.mesh = std::move(repaired.mesh);
+  repaired.mesh.triangles = without_scraps(repaired.mesh, kScraps * reach);
+  RepairedMesh cleaned = repair_mesh(repaired.mesh);
+  merged.mesh = std::move(cleaned.mesh);
   if (know_sigma) {
     merged.sigma.resize(merged.mesh.vertices.cols());
     for (Eigen::Index v = 0; v < merged.sigma.size(); ++v) {
+      const int source = cleaned.source[static_cast<std::size_t>(v)];
       merged.sigma[v] =
-          1 / std::sqrt(surface.precision[repaired.source[static_cast<std::size_t>(v)]]);
+          1 / std::sqrt(surface.precision[repaired.source[static_cast<std::size_t>(source)]]);
     }
   }
   return merged;

@@ -21,6 +21,8 @@ std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
     if (!is_rigid(scans[i].T_object_scan)) {
       throw InvalidInput(name + ": T_object_scan is not a rotation and a finite shift");
     }
+    if (scans[i].viewpoint && !scans[i].viewpoint->allFinite())
+      throw InvalidInput(name + ": its viewpoint is not finite");
     meshes.push_back({.vertices = scans[i].T_object_scan * scans[i].mesh.vertices,
                       .triangles = scans[i].mesh.triangles});
   }

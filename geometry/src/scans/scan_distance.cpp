@@ -14,6 +14,10 @@ namespace {
 
 /// The weight of a scan is full this many edges from its border, and a part of one there.
 constexpr int kFeatherEdges = 4;
+/// Beyond the border, the tangent plane is a guess, a poor one if the scan is noisy. At this part
+/// of the overhang its weight is a quarter, and it falls with the fourth power, so that it counts
+/// only where no scan has measured.
+constexpr double kGuess = 0.25;
 /// A place is evaluated in about a microsecond: enough of them for a task.
 constexpr std::ptrdiff_t kPlacesATask = 256;
 
@@ -100,7 +104,9 @@ PlaceDistances ScanDistance::at(const Eigen::Ref<const Eigen::Matrix3Xd>& places
       const auto corners = mesh_.triangles.col(closest.at.triangle);
       const Eigen::Vector3d& b = closest.at.barycentric;
       result.precision[i] = b.dot(precision_(corners));
-      result.weight[i] = result.precision[i] * b.dot(feather_(corners));
+      const double guess = result.beyond[i] / (kGuess * overhang_);
+      const double doubt = 1 + guess * guess;
+      result.weight[i] = result.precision[i] * b.dot(feather_(corners)) / (doubt * doubt);
     }
   });
   return result;

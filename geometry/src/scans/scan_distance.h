@@ -27,7 +27,7 @@ struct PlaceDistances {
 /// the tangent plane there; about the others the scan tells nothing.
 ///
 /// The weight is 1 / sigma^2, and falls within a few edges of the border, so that the surface does
-/// not step where a scan begins.
+/// not step where a scan begins, and steeply beyond it.
 class ScanDistance {
  public:
   /// \param sigma [mm] V, standard deviations of the vertices, > 0; empty if they are equal.
@@ -40,6 +40,9 @@ class ScanDistance {
   /// [mm] unsigned distances.
   [[nodiscard]] Eigen::VectorXd unsigned_at(const Eigen::Ref<const Eigen::Matrix3Xd>& places) const;
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const SurfaceQuery& query() const { return query_; }
+  /// Normal of a triangle, outside; zero without area.
+  [[nodiscard]] auto normal(int triangle) const { return triangle_normals_.col(triangle); }
 
  private:
   /// The direction outside at a point, and whether that is on the border.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/surface_query.h"
 #include "test_surfaces.h"
 
@@ -215,6 +217,7 @@ TEST(MergeScans, OfAGloveFromSixSidesAreWhatTheySee) {
   const MergedScans merged = merge_scans(scans);
   EXPECT_TRUE(find_defects(merged.mesh).empty());
   EXPECT_EQ(components(merged.mesh), 1);
+  EXPECT_TRUE(merged.conflicts.empty());
   expect_covers_scans(merged, scans);
   const test::Errors there = distances_to(glove, merged.mesh.vertices);
   EXPECT_LT(there.rms, 0.2 * merged.spacing);
@@ -344,6 +347,84 @@ TEST(MergeScans, RefuseAGridThatDoesNotFitIntoMemory) {
                   ::testing::AllOf(::testing::HasSubstr("GB"), ::testing::HasSubstr("spacing"))));
   EXPECT_THAT([&] { (void)merge_scans(scans, {.spacing = 1e-4, .max_memory = kInf}); },
               ::testing::ThrowsMessage<InvalidInput>(::testing::HasSubstr("too many points")));
+}
+
+constexpr double kBall = 18;     // [mm] radius of a ball about the origin
+constexpr double kPixel = 0.63;  // [mm] at its distance
+
+/// What a depth camera 400 mm from the ball sees of it, with normal noise [mm] along the axis.
+Scan look_at_ball(const Vector3d& from, double noise, unsigned seed,
+                  const Vector3d& centre = Vector3d::Zero()) {
+  constexpr double kDistance = 400;
+  constexpr int kPixels = 66;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  RangeMap map{.z = ImageF::Constant(kPixels, kPixels, kFloatNaN), .camera = {}};
+  map.camera.width = map.camera.height = kPixels;
+  map.camera.fx = map.camera.fy = kDistance / kPixel;
+  map.camera.cx = map.camera.cy = (kPixels - 1) / 2.0;
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), -from.normalized());
+  const Eigen::Isometry3d T = Eigen::Translation3d(kDistance * from.normalized()) * turn;
+  const Vector3d ball = T.inverse() * centre;
+  const Eigen::Matrix2Xd rays = pixel_rays(map.camera);
+  for (int pixel = 0; pixel < rays.cols(); ++pixel) {
+    const Vector3d ray = rays.col(pixel).homogeneous().normalized();
+    const double along = ray.dot(ball);
+    const double inside = kBall * kBall - ball.squaredNorm() + along * along;
+    if (inside <= 0) continue;
+    const double z = (along - std::sqrt(inside)) * ray.z() + noise * normal(random);
+    map.z(pixel / kPixels, pixel % kPixels) = static_cast<float>(z);
+  }
+  return {.mesh = mesh_range_map(map).mesh, .T_object_scan = T, .viewpoint = Vector3d::Zero()};
+}
+
+TEST(MergeScans, LeaveNoSheetsWhereTheNoiseIsMoreThanAPixel) {
+  std::vector<Scan> scans;
+  for (unsigned i = 0; i < 8; ++i) {
+    const double angle = i * std::numbers::pi / 4, up = i % 2 == 0 ? 1.4 : 0.5;
+    scans.push_back(look_at_ball({std::cos(angle), std::sin(angle), up}, 1.0, i + 1));
+  }
+  for (const auto& [spacing, largest_rms] : {std::pair(1.0, 0.31), {2.0, 0.44}}) {
+    const MergedScans merged = merge_scans(scans, {.spacing = spacing});
+    const Eigen::VectorXd errors =
+        (merged.mesh.vertices.colwise().norm().array() - kBall).abs().transpose();
+    EXPECT_LT(test::errors_of(errors).rms, largest_rms) << spacing;
+    EXPECT_GT(surface_area(merged.mesh), 2 * std::numbers::pi * kBall * kBall);
+    EXPECT_TRUE(merged.conflicts.empty());
+  }
+}
+
+TEST(MergeScans, OfAnObjectThatMovedAreInConflict) {
+  const Vector3d view = Vector3d(1, 0, 0.4).normalized();
+  const Scan still = look_at_ball(view, 0.3, 1);
+  const auto conflicts = [&](const Scan& other, bool know_viewpoint) {
+    std::vector<Scan> scans = {still, other};
+    if (!know_viewpoint) scans[0].viewpoint = scans[1].viewpoint = std::nullopt;
+    return merge_scans(scans, {.spacing = 1.5, .reach = 2}).conflicts;
+  };
+  EXPECT_TRUE(conflicts(look_at_ball(view, 0.3, 2), true).empty());
+  // 5 mm towards the camera, beyond the reach: the first scan lies behind it.
+  for (const bool know_viewpoint : {true, false}) {
+    const std::vector<ScanConflict> found =
+        conflicts(look_at_ball(view, 0.3, 2, 5 * view), know_viewpoint);
+    ASSERT_EQ(found.size(), 1U) << know_viewpoint;
+    EXPECT_EQ(found[0].scan, 0);
+    EXPECT_EQ(found[0].other, 1);
+    EXPECT_GT(found[0].share, 0.5);
+    EXPECT_NEAR(found[0].depth, 4.5, 1);
+  }
+  // Another scene, far in front: only who knows the viewpoint sees that it is in the way.
+  const Scan far = look_at_ball(view, 0.3, 2, 60 * view);
+  EXPECT_EQ(conflicts(far, true).size(), 1U);
+  EXPECT_TRUE(conflicts(far, false).empty());
+}
+
+TEST(MergeScans, OfOppositeSidesAreInNoConflict) {
+  const std::vector<Scan> scans = {look_at_ball({1, 0, 0}, 0.3, 1),
+                                   look_at_ball({-1, 0, 0}, 0.3, 2),
+                                   look_at_ball({0, 1, 0.2}, 0.3, 3)};
+  EXPECT_TRUE(merge_scans(scans, {.spacing = 1.5}).conflicts.empty());
 }
 
 TEST(MergeScans, RefuseASpacingBeyondTheirSize) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
 
@@ -18,11 +19,14 @@ struct Scan {
   /// [mm] standard deviations of the vertices, > 0 and finite; empty if they are not known. Only
   /// `merge_scans` uses them.
   Eigen::VectorXd sigma = {};
+  /// [mm] in the frame of the scan: from here, the whole mesh was seen at one time. Only
+  /// `merge_scans` uses it, to find scans that do not belong together.
+  std::optional<Eigen::Vector3d> viewpoint = {};
 };
 
 struct MergeScansOptions {
-  /// [mm] > 0; spacing of the grid, and about the edge length of the merged mesh. Default: the
-  /// median edge length of the scans.
+  /// [mm] > 0 and at most the size of the scans; spacing of the grid, and about the edge length of
+  /// the merged mesh. Default: the median edge length of the scans.
   std::optional<double> spacing = {};
   /// Scans that are within this many spacings of each other are averaged; >= 2 and finite.
   double reach = 3;
@@ -33,11 +37,22 @@ struct MergeScansOptions {
   std::function<void(int done, int total)> progress = {};
 };
 
+/// Two scans that cannot both be right: one saw through where the other has a surface.
+struct ScanConflict {
+  int scan = 0;      ///< saw places ...
+  int other = 0;     ///< ... that this one hides
+  double share = 0;  ///< hidden places of all that are near to, or behind, the other's surface
+  double depth = 0;  ///< [mm] median distance of the hidden places behind it
+};
+
 struct MergedScans {
   TriangleMesh mesh;  ///< in the frame of the object
   /// [mm] standard deviations of the vertices; empty unless all scans have a `sigma`
   Eigen::VectorXd sigma;
   double spacing = 0;  ///< [mm] of the grid
+  /// Check this before you use the mesh: the pairs of scans that disagree in more than a tenth of
+  /// what they share, the worst first. The object moved, or poses are wrong, by more than `reach`.
+  std::vector<ScanConflict> conflicts;
 };
 
 /// Merges registered, overlapping scans into one surface that averages them.
@@ -46,17 +61,21 @@ struct MergedScans {
 /// Where there are distances to several scans, their mean is taken, weighted by 1 / sigma^2 and
 /// less at the border of a scan (Curless and Levoy 1996). The surface is where the mean is zero. It
 /// is oriented and manifold, open where no scan measured, and ends within one spacing of the border
-/// of the scans. It may consist of several parts. Walls should be thicker than two spacings. The
-/// standard deviations of the result are those of means of independent scans; they do not contain
-/// errors that scans have in common, such as those of calibration and registration. Use
+/// of the scans. It may consist of several parts. Small parts near a larger one are left out,
+/// because noise makes them at the edge of the reach. Walls should be thicker than two spacings.
+/// The standard deviations of the result are those of means of independent scans; they do not
+/// contain errors that scans have in common, such as those of calibration and registration. Use
 /// `zipper_scans` to keep the measured vertices.
+///
+/// Scans are compared along the lines on which their places were seen: to the viewpoint, or, if it
+/// is not known, a short way along the normals. There must be no surface of another scan.
 ///
 /// The order of the scans matters only for rounding.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`), not manifold
-/// or not oriented (see `repair_mesh`), its pose is not rigid and finite, its standard deviations
-/// are not one for each vertex, all edges have zero length, an option is outside its range, or the
-/// grid has too many points or needs more memory than allowed (the message names a spacing that
-/// fits).
+/// or not oriented (see `repair_mesh`), its pose is not rigid and finite, its viewpoint is not
+/// finite, its standard deviations are not one for each vertex, all edges have zero length, an
+/// option is outside its range, or the grid has too many points or needs more memory than allowed
+/// (the message names a spacing that fits).
 /// \throws SolverError if no cell of the grid has a surface: the spacing is too large.
 [[nodiscard]] MergedScans merge_scans(std::span<const Scan> scans,
                                       const MergeScansOptions& options = {});
