@@ -353,8 +353,9 @@ TEST_F(DecodeSequence, InterruptingWhileItDrawsIsNoErrorOfTheXServer) {
 }
 
 TEST_F(DecodeSequence, AVideoWithoutLossesGivesWhatItsImagesGive) {
-  const std::string write = std::string(PALPATE_WRITE_VIDEO) + " " + scratch / "wave.mkv" + " " +
-                            demo("frames/flag_a.png") + " " + demo("frames/flag_b.png");
+  const auto quoted = [](const fs::path& path) { return " '" + path.string() + "'"; };
+  const std::string write = quoted(PALPATE_WRITE_VIDEO) + quoted(scratch / "wave.mkv") +
+                            quoted(demo("frames/flag_a.png")) + quoted(demo("frames/flag_b.png"));
   ASSERT_EQ(std::system(write.c_str()), 0);
   const nlohmann::json from_video = figures(scratch / "wave.mkv");
   EXPECT_EQ(from_video["per_frame"][1]["frame"], "wave.mkv#1");

@@ -115,7 +115,10 @@ class Run : public ::testing::Test {
 };
 
 TEST_F(Run, GoesTheWholeWayFromTheBundledFramesToForces) {
-  const std::vector<std::string> call = {"run", demo("project.yaml"), "-o", scratch / "out"};
+  const fs::path folder = scratch / "eins/zwei/drei Ordner/äöü/fünf";
+  fs::create_directories(folder.parent_path());
+  fs::copy(demo(""), folder, fs::copy_options::recursive);
+  const std::vector<std::string> call = {"run", folder / "project.yaml", "-o", scratch / "out"};
   const CommandResult first = run_palpate(call);
   ASSERT_EQ(first.status, kDone) << first.err;
   EXPECT_THAT(first.out, AllOf(HasSubstr("decode    done"), HasSubstr("4 of 4 frames"),
@@ -124,7 +127,7 @@ TEST_F(Run, GoesTheWholeWayFromTheBundledFramesToForces) {
        {"out/colors.yaml", "out/range/000000.tiff", "out/surface.ply", "out/acquisition.db",
         "out/model/field.json", "out/trace.csv", "out/model.html", "out/project.run"})
     EXPECT_TRUE(fs::exists(scratch / file)) << file;
-  EXPECT_FALSE(fs::exists(demo("project.run")));
+  EXPECT_FALSE(fs::exists(folder / "project.run"));
   const auto done = content();
   const CommandResult second = run_palpate(call);
   EXPECT_EQ(second.status, kDone) << second.err;
@@ -218,6 +221,16 @@ TEST_F(Run, NothingIsWrittenWithDryRun) {
   EXPECT_THAT(plan.out, HasSubstr("5 steps: 5 due\n"));
   EXPECT_THAT(plan.err, HasSubstr("palpate fit out/acquisition.db out/surface.ply "));
   EXPECT_EQ(content(), before);
+}
+
+TEST_F(Run, StepsReadFromOtherFoldersWhatEarlierOnesWriteThere) {
+  // Under another folder of the root than the project, which is the farthest away.
+  const CommandResult plan = run({"--dry-run", "-v", "-o", "/no such folder/out"});
+  EXPECT_EQ(plan.status, kDone) << plan.err;
+  const std::string out = fs::path("/no such folder/out").lexically_relative(scratch.path());
+  EXPECT_THAT(plan.err, AllOf(HasSubstr("palpate fit " + out + "/acquisition.db " + out),
+                              HasSubstr("palpate play " + out + "/model "),
+                              HasSubstr("palpate export " + out + "/model ")));
 }
 
 TEST_F(Run, GoesOnAfterCtrlCAndAfterAKill) {

@@ -33,7 +33,7 @@ bool ends(pid_t process) {
 
 /// What another process prints that uses a display; `settings` go before its command.
 std::string use_display(const std::string& manner, const std::string& settings = "") {
-  FILE* output = popen((settings + " " + DISPLAY_USER + " '" + manner + "' 2>&1").c_str(), "r");
+  FILE* output = popen((settings + " '" + DISPLAY_USER + "' '" + manner + "' 2>&1").c_str(), "r");
   std::string text;
   std::array<char, 4096> part{};
   while (const std::size_t size = std::fread(part.data(), 1, part.size(), output)) {

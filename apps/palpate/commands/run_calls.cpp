@@ -129,24 +129,30 @@ class CallMaker {
     values[entry.name] = entry.values;
   }
 
-  /// Adds what earlier steps make, and the names of outputs; takes paths to where they are.
+  /// Takes the paths that a section names to where they are; adds what earlier steps make, and the
+  /// names of outputs.
   void feed(const ProjectStep& step, Values& values) const {
+    take_to(step.inputs, values, [this](const fs::path& path) { return place_of_input(path); });
     for (const Feed& feed : step.feeds) {
       const bool is_replaced = std::ranges::any_of(feed.unless, [&](const std::string& other) {
         return values.contains(other) && !values.at(other).empty();
       });
       if (!values.contains(feed.entry) && !is_replaced) feed_from(feed, values);
     }
-    for (const std::string& name : step.inputs)
-      for (auto& given : values[name])
-        for (std::string& path : given) path = place_of_input(path).string();
     if (!step.result_entry.empty() && !values.contains(step.result_entry))
       if (const std::string name = usual_result(step, values); !name.empty())
         values[step.result_entry] = {{name}};
-    for (const std::string& name : step.outputs)
-      for (auto& given : values[name])
-        for (std::string& path : given) path = (results_ / path).string();
+    take_to(step.outputs, values, [this](const fs::path& path) { return results_ / path; });
     std::erase_if(values, [](const auto& value) { return value.second.empty(); });
+  }
+
+  template <typename Place>
+  static void take_to(const std::vector<std::string>& entries, Values& values, Place&& place) {
+    for (auto& [name, value] : values) {
+      if (!has(entries, name)) continue;
+      for (std::vector<std::string>& given : value)
+        for (std::string& path : given) path = place(path).string();
+    }
   }
 
   void feed_from(const Feed& feed, Values& values) const {

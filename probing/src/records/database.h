@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "palpate/error.h"
@@ -50,8 +51,11 @@ struct DatabaseError : Error {
 };
 
 inline Database open_database(const std::filesystem::path& path, int flags) {
+  // SQLite 3.40 does not open a path with more ".." than there are folders to leave.
+  std::error_code unresolved;  // SQLite says what is wrong
+  const std::filesystem::path place = std::filesystem::weakly_canonical(path, unresolved);
   sqlite3* raw = nullptr;
-  const int status = sqlite3_open_v2(path.c_str(), &raw, flags, nullptr);
+  const int status = sqlite3_open_v2((unresolved ? path : place).c_str(), &raw, flags, nullptr);
   Database database(raw);
   if (status != SQLITE_OK) throw DatabaseError(sqlite3_errstr(status));
   return database;

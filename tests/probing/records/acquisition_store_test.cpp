@@ -49,6 +49,14 @@ TEST(AcquisitionStore, ReadsBackExactlyWhatWasWritten) {
   EXPECT_EQ(read.records().probe_radius, 0.1 + 0.2);
 }
 
+TEST(AcquisitionStore, OpensAPathThatLeavesMoreFoldersThanThereAre) {
+  const ScratchFolder scratch;
+  std::string path = (scratch / "zwei Wörter.db").relative_path();
+  for (int folders = 0; folders < 40; ++folders) path.insert(0, "../");
+  write_acquisition(path, small_acquisition());
+  expect_same(read_acquisition(path), small_acquisition());
+}
+
 TEST(AcquisitionStore, ReadsDatabasesThatOtherToolsMade) {
   const ScratchFolder scratch;
   const std::filesystem::path path = scratch / "a.db";
