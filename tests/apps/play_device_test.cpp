@@ -151,6 +151,9 @@ TEST_F(PlayDevice, ContainsDriversThatGoWrong) {
   expect_words(broken("crash"), kWorkFailed, "the driver's process crashed: signal 6");
   expect_words({"--device", PALPATE_CRASHING_DEVICE, "--duration", "1"}, kWorkFailed,
                "while the driver was loaded");
+  expect_words(broken("hang"), kWorkFailed,
+               "it does not answer any more: the driver's process does not answer");
+  expect_words(broken("deaf"), kWorkFailed, "it takes no commands any more: broken as told");
   EXPECT_EQ(figures(broken("nan"))["safety"]["state_not_finite"], 1);
 }
 

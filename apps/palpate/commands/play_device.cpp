@@ -152,8 +152,8 @@ void run_loop(const Settings& settings, const DeviceCall& call,
   if (!call.trace.empty()) played.write_trace(haptics::read_loop_record(call.session), figures);
   warn(call, report, device.arm->description());
   if (!report.device_lost.empty()) {
-    throw DeviceError(fmt::format("{}: the device does not answer any more after {} ticks: {}",
-                                  call.device, report.time.ticks, report.device_lost));
+    throw DeviceError(fmt::format("{}: the device is lost after {} ticks: {}", call.device,
+                                  report.time.ticks, report.device_lost));
   }
   print(settings, figures, prose_of(call, report));
 }

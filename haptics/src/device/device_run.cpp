@@ -90,7 +90,7 @@ struct DeviceRun::Runner {
   void turn() noexcept {
     const Playback* model = current.get();
     std::size_t next_exchange = 0;
-    int unanswered = 0;
+    int unanswered = 0, refused = 0;  // in a row
     std::optional<double> first_time;
     double last_now = 0;
     const double period = device.description().period;
@@ -107,12 +107,15 @@ struct DeviceRun::Runner {
       const HostClock::time_point start = HostClock::now();
       input.now = device.now();
       unanswered = input.answered ? 0 : unanswered + 1;
-      if (unanswered >= options.most_unanswered) {
+      const int failing = std::max(unanswered, refused);
+      if (failing >= options.most_unanswered) {
         lost = true;
+        takes_commands = refused < options.most_unanswered;
         break;
       }
       if (!first_time) first_time = input.now;
-      if (options.duration > 0 && input.now - *first_time >= options.duration) break;
+      const bool is_over = options.duration > 0 && input.now - *first_time >= options.duration;
+      if (is_over && failing == 0) break;  // otherwise it shows whether the device is lost
       if (report.time.ticks > 0 && input.now - last_now > 1.5 * period) ++report.time.late;
       last_now = input.now;
 
@@ -135,6 +138,9 @@ struct DeviceRun::Runner {
       if (!device.write(
               {.force = output.command.force, .lease = lease, .torque = output.command.torque})) {
         ++report.refused;
+        ++refused;
+      } else {
+        refused = 0;
       }
       account(output, static_cast<std::uint64_t>(computing));
       if (recorder) {
@@ -167,7 +173,7 @@ struct DeviceRun::Runner {
   std::optional<LoopRecorder> recorder;
   DurationHistogram computing_times;
   RunReport report;
-  bool lost = false;
+  bool lost = false, takes_commands = true;
   std::atomic<const Playback*> offered{nullptr};
   std::atomic<int> adopted{0};  // models that were offered and taken
   std::atomic<bool> stopping{false}, ended{false};
@@ -214,8 +220,10 @@ RunReport DeviceRun::finish() {
   r.report.time.p999 = 1e-3 * static_cast<double>(r.computing_times.quantile(0.999));
   r.report.time.largest = 1e-3 * static_cast<double>(r.computing_times.largest());
   if (r.lost) {
-    r.report.device_lost = r.device.last_error();
-    if (r.report.device_lost.empty()) r.report.device_lost = "it gives no reason";
+    const std::string reason = r.device.last_error();
+    r.report.device_lost =
+        (r.takes_commands ? "it does not answer any more: " : "it takes no commands any more: ") +
+        (reason.empty() ? "it gives no reason" : reason);
   }
   if (r.recorder) r.recorder->finish();
   return r.report;

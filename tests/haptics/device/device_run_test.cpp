@@ -188,9 +188,33 @@ TEST(DeviceRun, EndsWithTheWordsOfADeviceThatIsLost) {
   device.on_write = [&](const probing::ArmCommand& command) { last = command.force.norm(); };
   DeviceRun run(device, sheet(), {}, {.real_time = false});
   const RunReport report = run.finish();
-  EXPECT_EQ(report.device_lost, "cable pulled");
+  EXPECT_EQ(report.device_lost, "it does not answer any more: cable pulled");
   EXPECT_EQ(last, 0);
   EXPECT_EQ(report.time.ticks, 599);
+}
+
+// The duration may end before it is sure that the device is lost.
+TEST(DeviceRun, TellsADeviceThatIsLostFromOneThatPausesAtTheEnd) {
+  for (const bool answers : {true, false}) {
+    for (const int failing : {50, 1000}) {
+      SimulatedHand hand(touches());
+      HookedDevice device(hand);
+      const auto fails = [&](long long number) { return number >= 480 && number < 480 + failing; };
+      long long reads = 0;
+      device.after_read = [&](long long number, probing::ArmState&) {
+        reads = number;
+        return answers || !fails(number);
+      };
+      device.takes = [&](const probing::ArmCommand&) { return !answers || !fails(reads); };
+      DeviceRun run(device, sheet(), {}, {.duration = 0.5, .real_time = false});
+      const RunReport report = run.finish();
+      EXPECT_EQ(report.refused, answers ? std::min(failing, 100) : 0);
+      const std::string lost = answers ? "it takes no commands any more: cable pulled"
+                                       : "it does not answer any more: cable pulled";
+      EXPECT_EQ(report.device_lost, failing < 100 ? "" : lost);
+      EXPECT_NEAR(static_cast<double>(report.time.ticks), 480 + std::min(failing, 100), 1);
+    }
+  }
 }
 
 TEST(DeviceRun, GivesADeviceThatFailsAtOnceTheTimeOfItsTicks) {
@@ -199,7 +223,7 @@ TEST(DeviceRun, GivesADeviceThatFailsAtOnceTheTimeOfItsTicks) {
   device.after_read = [&](long long, auto&) { return !(device.unplugged = true); };
   const auto begin = std::chrono::steady_clock::now();
   DeviceRun run(device, sheet(), {}, {.most_unanswered = 60});
-  EXPECT_EQ(run.finish().device_lost, "cable pulled");
+  EXPECT_EQ(run.finish().device_lost, "it does not answer any more: cable pulled");
   EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(60));
 }
 

@@ -22,6 +22,7 @@ class HookedDevice final : public probing::Arm {
   bool armed = false;
   bool unplugged = false;  ///< each read fails at once
   std::function<void(const probing::ArmCommand&)> on_write = [](const probing::ArmCommand&) {};
+  std::function<bool(const probing::ArmCommand&)> takes = [](const auto&) { return true; };
 
   [[nodiscard]] const probing::ArmDescription& description() const noexcept override {
     return device_.description();
@@ -37,7 +38,7 @@ class HookedDevice final : public probing::Arm {
   }
   [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override {
     on_write(command);
-    return device_.write(command);
+    return takes(command) && device_.write(command);
   }
   void stop() noexcept override {
     armed = false;

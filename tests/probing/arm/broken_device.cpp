@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A driver that goes wrong in the tick that its option "at" says, as its option "fault" says:
-// crash, stall, hang, nan, refuse, or group (its process group as y). With the fault keep it takes
-// one force, shows it as y, and refuses all commands until stop. Its option "stopped" names a file
-// that stop makes. Built with BROKEN_ON_LOAD it crashes while it is loaded.
+// crash, stall, hang, nan, refuse, group (its process group as y), or deaf: from then on it takes
+// no command. With the fault keep it takes one force, shows it as y, and refuses all commands until
+// stop. Its option "stopped" names a file that stop makes. Built with BROKEN_ON_LOAD it crashes
+// while it is loaded.
 #include <unistd.h>
 
 #include <chrono>
@@ -76,6 +77,7 @@ int write_device(void* device, const palpate_device_command_v1* command) {
     if (d.kept != 0) return 1;
     d.kept = command->force[0];
   }
+  if (d.fault == "deaf" && d.tick > d.at) return 1;
   return std::isfinite(command->force[0]) ? 0 : 1;
 }
 void close_device(void* device) { delete static_cast<Device*>(device); }

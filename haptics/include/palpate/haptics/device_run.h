@@ -29,7 +29,9 @@ struct RunOptions {
   std::filesystem::path record = {};          ///< file of `LoopRecorder`; empty: none
   std::string session = {};                   ///< for the record
   std::vector<ModelExchange> exchanges = {};  ///< in the order of time
-  int most_unanswered = 100;  ///< ticks in a row without a state, after which the run ends; >= 1
+  /// Ticks in a row without a state, or with commands that are not taken, after which the device is
+  /// lost and the run ends; >= 1. A run whose duration is over while it counts them goes on.
+  int most_unanswered = 100;
 };
 
 struct RunReport {
@@ -44,7 +46,7 @@ struct RunReport {
   int exchanges = 0;
   std::string not_real_time = {};  ///< why SCHED_FIFO is not allowed; empty if it is, or not asked
   bool memory_locked = false;      ///< the process's memory, against page faults
-  std::string device_lost = {};    ///< the device's words, if it does not answer any more
+  std::string device_lost = {};    ///< in what way, if it is, with the device's words
 };
 
 /// Runs a `DeviceLoop` in a thread of its own. The loop neither allocates, locks, throws nor logs.
