@@ -41,7 +41,22 @@ double median_stretch(const Eigen::Matrix3Xi& triangles, const Eigen::Matrix3Xd&
   return stretch.empty() ? 0 : geometry::error_statistics(std::move(stretch)).median;
 }
 
+/// The median where the surface is measured; 0 if it is nowhere.
+double median_confidence(const geometry::DeformedSurface& surface) {
+  const Eigen::VectorXd all = tracking_confidence(surface);
+  std::vector<double> measured;
+  for (std::size_t v = 0; v < surface.sight.size(); ++v) {
+    if (surface.sight[v] == geometry::VertexSight::seen)
+      measured.push_back(all[static_cast<Eigen::Index>(v)]);
+  }
+  return measured.empty() ? 0 : geometry::error_statistics(std::move(measured)).median;
+}
+
 }  // namespace
+
+Eigen::VectorXd tracking_confidence(const geometry::DeformedSurface& surface) {
+  return surface.confidence.cwiseProduct(surface.along);
+}
 
 SurfaceTracker::SurfaceTracker(const TrackingOptions& options, geometry::TriangleMesh reference)
     : options_(options), graph_(std::move(reference), options.graph) {}
@@ -66,6 +81,7 @@ TrackedFrame SurfaceTracker::track(const geometry::RangeMap& map) {
       graph_.mesh().triangles,
       has_start() ? geometry::deformed_vertices(graph_, motions_) : graph_.mesh().vertices,
       surface_);
+  frame.confidence = median_confidence(surface_);
   frame.iterations = surface_.iterations;
   frame.settled = surface_.stop == geometry::NonRigidStop::converged;
   if (frame.visible < options_.min_visible) {

@@ -28,6 +28,10 @@ struct TrackingOptions {
   bool from_reference = false;  ///< start every frame from the reference, not the previous frame
 };
 
+/// V, in [0, 1]: how far the range map determines where a vertex is, across the surface and along
+/// it.
+[[nodiscard]] Eigen::VectorXd tracking_confidence(const geometry::DeformedSurface& surface);
+
 /// Follows a surface from range map to range map.
 class SurfaceTracker {
  public:

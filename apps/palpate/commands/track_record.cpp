@@ -39,6 +39,7 @@ TrackedFrame tracked_frame(const Json& json) {
   frame.measured = json.at("measured");
   frame.visible = json.at("visible");
   frame.stretch = json.at("stretch");
+  frame.confidence = json.at("confidence");
   frame.iterations = json.at("iterations");
   frame.settled = json.at("settled");
   return frame;
@@ -105,6 +106,7 @@ Json to_json(const TrackedFrame& frame) {
   json["measured"] = frame.measured;
   json["visible"] = frame.visible;
   json["stretch"] = frame.stretch;
+  json["confidence"] = frame.confidence;
   json["iterations"] = frame.iterations;
   json["settled"] = frame.settled;
   return json;

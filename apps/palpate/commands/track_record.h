@@ -24,6 +24,7 @@ struct TrackedFrame {
   double measured = 0;      ///< fraction of all vertices that lie on the measured surface
   double visible = 0;       ///< the same of those that face the camera
   double stretch = 0;       ///< median relative change in edge length since the last tracked frame
+  double confidence = 0;    ///< median of `tracking_confidence` where the surface is measured
   int iterations = 0;
   bool settled = false;  ///< the nodes moved no more before the iterations ended
 };

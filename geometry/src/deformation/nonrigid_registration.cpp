@@ -12,6 +12,7 @@
 #include "base/work_steps.h"
 #include "deformation/deformation_equations.h"
 #include "deformation/measured_surface.h"
+#include "deformation/slippage.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
 #include "palpate/require.h"
@@ -178,6 +179,7 @@ class Fit {
   DeformedSurface run(bool is_tracked) {
     iterate(is_tracked);
     look_at_all_vertices();
+    result_.along = determined_along(graph_, places_of_nodes(), seen_samples(), options_.stiffness);
     steps_.end();
     return std::move(result_);
   }
@@ -243,6 +245,20 @@ class Fit {
       if (found.plane.at_border) pairs[s].weight = 0;
     });
     return std::ranges::count_if(pairs, [](const PlanePair& pair) { return pair.weight > 0; });
+  }
+
+  /// The samples as they lie now.
+  [[nodiscard]] std::vector<SeenSample> seen_samples() const {
+    const Gate last = gate(kLevels - 1);
+    std::vector<SeenSample> samples(equations_.samples().size());
+    parallel_for(samples.size(), [&](std::size_t s) {
+      const int vertex = equations_.samples()[s];
+      const PlacedVertex placed = place(graph_, result_.node_motions, vertex);
+      const Association found = associate(surface_, placed.position, placed.normal, last);
+      samples[s] = {vertex, placed.position, placed.normal, found.pair};
+      if (found.plane.at_border) samples[s].pair.weight = 0;
+    });
+    return samples;
   }
 
   void look_at_all_vertices() {

@@ -176,6 +176,43 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
   EXPECT_GT(named, 0.85 * static_cast<double>(behind));
 }
 
+/// The median of `along` where the surface is seen.
+double median_along(const DeformedSurface& found) {
+  std::vector<double> along;
+  for (std::size_t v = 0; v < found.sight.size(); ++v) {
+    if (found.sight[v] == VertexSight::seen)
+      along.push_back(found.along[static_cast<Eigen::Index>(v)]);
+  }
+  EXPECT_GT(along.size(), found.sight.size() / 5);
+  return error_statistics(along).median;
+}
+
+TriangleMesh ellipsoid(const Vector3d& half_axes) {
+  TriangleMesh mesh = test::icosphere(5, 1);
+  mesh.vertices = (half_axes.asDiagonal() * mesh.vertices).colwise() + Vector3d(0, 0, 700);
+  return mesh;
+}
+
+TEST(RegisterDeformed, KnowsWhereNothingShowsMotionsAlongTheSurface) {
+  TriangleMesh plate = rest_mesh();
+  for (Eigen::Index v = 0; v < plate.vertices.cols(); ++v)
+    plate.vertices.col(v) *= 700 / plate.vertices(2, v);
+  const auto along = [](const TriangleMesh& rest, double growth, double noise) {
+    TriangleMesh moved = rest;
+    const Vector3d centre = rest.vertices.rowwise().mean();
+    moved.vertices = ((rest.vertices.colwise() - centre) * growth).colwise() + centre;
+    RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+    test::add_noise(map, noise, 3);
+    return median_along(register_deformed(DeformationGraph(rest, {.nodes = 250}), map));
+  };
+  for (const double noise : {0.0, 0.3}) {
+    EXPECT_LT(along(plate, 1.02, noise), 0.1) << noise;
+    EXPECT_LT(along(ellipsoid({90, 90, 90}), 1.05, noise), 0.1) << noise;
+    EXPECT_LT(along(ellipsoid({90, 70, 60}), 1.05, noise), 0.2) << noise;
+    EXPECT_GT(along(rest_mesh(), 1.02, noise), 0.6) << noise;
+  }
+}
+
 TEST(RegisterDeformed, StaysOnAPlateWhereNothingShowsAShift) {
   // Sliding cannot be seen; it must not be invented either.
   TriangleMesh plate = rest_mesh();

@@ -64,6 +64,10 @@ struct DeformedSurface {
   /// V, in [0, 1]: near 1 on the measured surface, 0 at the gate of `min_correspondence` or where
   /// the vertex is not seen and only follows its neighbours.
   Eigen::VectorXd confidence;
+  /// V, in [0, 1]: how far the map, rather than the stiffness, determines where a vertex lies along
+  /// the surface; 0 on a plane, a sphere or a cylinder, which may slide in themselves, and high
+  /// where there is relief within a few nodes.
+  Eigen::VectorXd along;
   double rms = 0;      ///< [mm] root mean square of `distance` where seen; NaN if no vertex is
   double matched = 0;  ///< fraction seen of those before which something was measured
   int iterations = 0;
@@ -84,7 +88,7 @@ struct DeformedSurface {
 /// repeat the plane term, and it would slow sliding, which the damping of the steps already limits.
 ///
 /// Motion along the surface is visible only in its relief: on a plane or a sphere the result is the
-/// motion of least distortion, not the true one.
+/// motion of least distortion, not the true one. `DeformedSurface::along` tells where.
 /// \param start node motions of an earlier frame. The surface continues from there without initial
 /// stiffness, and can move by up to max_correspondence (min_correspondence /
 /// max_correspondence)^0.6, a third of `max_correspondence` by default. Without `start` the search
