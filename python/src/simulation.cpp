@@ -17,6 +17,7 @@
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/specimen_trials.h"
 #include "palpate/probing/virtual_arm.h"
+#include "palpate/require.h"
 
 namespace palpate::python {
 namespace {
@@ -34,6 +35,21 @@ struct Specimen {
   std::string text;
 };
 
+/// JSON of the members. \throws InvalidInput naming the one that JSON cannot hold.
+std::string text_of(const py::dict& members) {
+  const py::object dumps = py::module_::import("json").attr("dumps");
+  for (const auto& [name, value] : members) {
+    try {
+      dumps(value, arg("allow_nan") = false);
+    } catch (const py::error_already_set& error) {
+      if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) throw;
+      throw InvalidInput("Specimen(): " + std::string(py::str(name)) + " is " +
+                         std::string(py::repr(value)) + "; it must be of finite numbers or text");
+    }
+  }
+  return py::str(dumps(members));
+}
+
 Specimen new_specimen(const std::string& text, const std::string& source) {
   const Unlocked unlocked;  // finite elements take seconds
   return {probing::parse_specimen(text, source), text};
@@ -45,9 +61,8 @@ void add_specimen(py::module_& module) {
 Threads may ask the same specimen at the same time.)")
       .def(
           py::init([](const py::dict& members) {
-            const std::string text = py::str(py::module_::import("json").attr("dumps")(members));
             try {
-              return new_specimen(text, "Specimen()");
+              return new_specimen(text_of(members), "Specimen()");
             } catch (const FileError& error) {  // there is no file
               throw InvalidInput(error.what());
             }
@@ -77,7 +92,7 @@ Raises InvalidInput naming the member that is wrong.)")
           arg("contact"), arg("force"),
           R"([mm] (3,) how far the tool moves from `contact` [mm] under `force` [N], without slipping.
 
-Raises SolverError if there is no equilibrium.)")
+Raises SolverError if there is no equilibrium, InvalidInput unless both are finite.)")
       .def(
           "friction_cone",
           [](const Specimen& specimen, const py::object& contact) {
@@ -127,6 +142,7 @@ void add_plan(py::module_& module) {
         options.spacing = spacing;
         options.contacts = contacts.value_or(options.contacts);
         options.directions = directions;
+        require("max_force", max_force, above(0).finite(), "N");
         options.max_force = max_force;
         options.highest_force *= max_force / PlanOptions{}.max_force;
         options.lowest_force *= max_force / PlanOptions{}.max_force;

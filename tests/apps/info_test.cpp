@@ -4,15 +4,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <limits>
+#include <opencv2/core.hpp>
 #include <string>
 
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/frame.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
 namespace {
 
+namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -56,6 +61,21 @@ TEST_F(Info, TellsThatTrianglesAreNotJoined) {
   EXPECT_THAT(run_palpate({"info", scratch / "soup.obj"}).out,
               HasSubstr("4 vertices are where another one is, too"));
   EXPECT_THAT(described(6), Not(HasSubstr("another one")));
+}
+
+TEST_F(Info, TellsWhatAFolderHolds) {
+  fs::create_directory(scratch / "depth");
+  for (const char* name : {"depth/1.png", "depth/2.png"})
+    sensing::write_png(scratch / name, cv::Mat_<std::uint16_t>(4, 6, std::uint16_t{700}));
+  const auto said = [&](const char* folder) { return run_palpate({"info", scratch / folder}).out; };
+  EXPECT_THAT(said("depth"), AllOf(HasSubstr("folder of 2 depth images (16-bit PNG); "),
+                                   HasSubstr("need --scale, "), HasSubstr("--intrinsics")));
+  sensing::write_png(scratch / "depth/color.png", cv::Mat_<cv::Vec3b>(4, 6, cv::Vec3b(1, 2, 3)));
+  EXPECT_THAT(said("depth"), HasSubstr("folder of 2 depth images (16-bit PNG) and 1 image; "));
+  fs::create_directory(scratch / "range");
+  geometry::write_depth_tiff(scratch / "range/0.tiff", geometry::ImageF::Constant(4, 6, 700));
+  EXPECT_THAT(said("range"), AllOf(HasSubstr("1 range map (0 with deviations, 0 with reasons)\n"),
+                                   Not(HasSubstr("image"))));
 }
 
 TEST_F(Info, TellsThatARangeMapHasNoDepth) {

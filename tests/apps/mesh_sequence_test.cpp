@@ -70,6 +70,19 @@ class MeshSequence : public ::testing::Test {
   ScratchFolder scratch;
 };
 
+TEST_F(MeshSequence, CtrlCDoesNotWaitForMeshesThatTakeLong) {
+  for (const char* file : {"range/000007.tiff", "range/000011.tiff"})
+    write_depths(scratch / file, cv::Mat_<float>(480, 640, 830.F));
+  const CommandResult stopped =
+      run_palpate({"mesh", scratch / "range", "-o", scratch / "meshes", "--tolerance", "1"},
+                  {.interrupt_when_there_is = scratch / "meshes/000003.ply"});
+  EXPECT_EQ(stopped.status, kInterrupted);
+  EXPECT_NE(stopped.err.find("stopping; press Ctrl-C again to end at once\n"), std::string::npos)
+      << stopped.err;
+  EXPECT_NE(stopped.err.find("interrupted; 1 of 3 frames are finished\n"), std::string::npos)
+      << stopped.err;
+}
+
 TEST_F(MeshSequence, EachMeshIsWhatItsRangeMapAloneGives) {
   const auto all = figures(
       {"mesh", scratch / "range", "-o", scratch / "meshes", "--format", "ply", "--tolerance", "1"});

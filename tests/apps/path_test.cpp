@@ -49,6 +49,22 @@ class Path : public ::testing::Test {
   ScratchFolder scratch;
 };
 
+TEST_F(Path, ATriangleWithoutAreaIsNamedWithTheRemedy) {
+  geometry::TriangleMesh mesh = geometry::test::flat_sheet(20, 20, 1);
+  mesh.triangles.conservativeResize(Eigen::NoChange, mesh.triangles.cols() + 1);
+  mesh.triangles.rightCols(1) << 0, 1, 2;  // in one line
+  geometry::write_mesh(scratch / "needle.ply", mesh);
+  const std::vector<std::string> call = {
+      "path", scratch / "needle.ply", "--from", "1,2,0", "--to", "13,7,0",
+      "-o",   scratch / "path.csv"};
+  const CommandResult refused = run_palpate(call);
+  EXPECT_EQ(refused.status, kWrongCall);
+  EXPECT_THAT(refused.err, HasSubstr("needle.ply: triangle " +
+                                     std::to_string(mesh.triangles.cols() - 1) + " has no area"));
+  EXPECT_THAT(refused.err, HasSubstr("--repair"));
+  EXPECT_EQ(refused.err.find("::"), std::string::npos) << refused.err;
+}
+
 TEST_F(Path, OnAFlatSheetIsTheStraightLineToEachPlace) {
   const CommandResult result =
       run_palpate({"path", scratch / "sheet.ply", "--from", "1,2,0.5", "--to", "13,7,0", "--to",

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 """Simulated objects and arms give what is known of them, and models of them feel like them."""
+import math
 import os
 import pathlib
 import signal
@@ -34,6 +35,13 @@ class Specimens(unittest.TestCase):
     def test_descriptions_that_are_wrong_are_refused(self):
         with self.assertRaisesRegex(palpate.InvalidInput, "stiffness"):
             palpate.Specimen({"type": "sheet", "stiffness": 1})
+        with self.assertRaisesRegex(palpate.InvalidInput, "shear_modulus is nan; it must be of finite numbers"):
+            palpate.Specimen({"type": "finite_elements", "shear_modulus": float("nan")})
+        for words, at, force in (("contact is nan mm", [math.nan, 0, 0], [0, 0, 1]), ("force is inf N", [0, 0, 0], [0, 0, math.inf])):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                palpate.Specimen({"type": "sheet"}).displacement(at, force)
+        with self.assertRaisesRegex(palpate.InvalidInput, "max_force is nan N; it must be > 0"):
+            palpate.plan_contacts(palpate.Specimen({"type": "sheet"}).surface, max_force=math.nan)
         with self.assertRaisesRegex(palpate.FileError, "/nowhere.json"):
             palpate.read_specimen("/nowhere.json")
         with self.assertRaisesRegex(palpate.InvalidInput, "force: its shape"):

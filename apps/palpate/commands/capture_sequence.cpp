@@ -107,7 +107,7 @@ class RecordingWatch {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kRedraw{250};
 
-  InterruptedByThrowing interrupts_;
+  InterruptedWithoutHaste interrupts_;
   bool shows_;
   bool shown_ = false;
   Clock::time_point drawn_ = Clock::now();

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "commands/in_both.h"
 #include "palpate/error.h"
 #include "palpate/geometry/cross_section.h"
 #include "palpate/geometry/error_statistics.h"
@@ -95,16 +96,6 @@ pictures::SectionSeries section_series(const std::string& name, const geometry::
   return {.name = name,
           .x = Eigen::Map<const Eigen::VectorXd>(x.data(), size),
           .y = Eigen::Map<const Eigen::VectorXd>(z.data(), size)};
-}
-
-nlohmann::ordered_json to_json(const geometry::ErrorStatistics& s) {
-  return {{"count", s.count}, {"rms", s.rms}, {"median", s.median}, {"p90", s.p90}, {"max", s.max}};
-}
-
-std::string to_words(const geometry::ErrorStatistics& s) {
-  return fmt::format(
-      "RMS {:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm, largest {:.3f} mm ({} points)",
-      s.rms, s.median, s.p90, s.max, s.count);
 }
 
 /// Compares two range maps of one camera pixel by pixel; B is the truth.
@@ -211,32 +202,6 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                      turn.angle(), found.T_target_source.translation().norm(), found.reason);
 }
 
-/// Accuracy of a sensor relative to a reference (thesis 3.5.1), for the parts that both have: in mm
-/// and, for a range map, relative to their mean distance from the camera.
-/// \return the same in words.
-std::string compare_common_parts(const CompareCall& call, const geometry::TriangleMesh& a,
-                                 const geometry::TriangleMesh& b, const Eigen::ArrayXd& depths,
-                                 nlohmann::ordered_json& figures) {
-  const Eigen::VectorXd distances = geometry::distances_in_both(a.vertices, b, call.within);
-  const geometry::ErrorStatistics error =
-      geometry::error_statistics({distances.begin(), distances.end()});
-  const double share = static_cast<double>(error.count) / static_cast<double>(distances.size());
-  nlohmann::ordered_json& common = figures["in_both"];
-  common = to_json(error);
-  common["share"] = share;
-  std::string words = fmt::format("Parts present in both ({:.1f} % of A's points): {}", 100 * share,
-                                  to_words(error));
-  if (is_range_map(call.a) && error.count > 0) {
-    const double distance = (distances.array() == distances.array()).select(depths, 0).sum() /
-                            static_cast<double>(error.count);
-    common["distance"] = distance;
-    common["rms_percent"] = 100 * error.rms / distance;
-    words += fmt::format("; the RMS is {:.3f} % of the mean distance of {:.1f} mm",
-                         100 * error.rms / distance, distance);
-  }
-  return words + ".\n";
-}
-
 double diagonal(const geometry::TriangleMesh& mesh) {
   return Eigen::AlignedBox3d(mesh.vertices.rowwise().minCoeff(), mesh.vertices.rowwise().maxCoeff())
       .diagonal()
@@ -247,10 +212,11 @@ double diagonal(const geometry::TriangleMesh& mesh) {
 void doubt_places(const CompareCall& call, const geometry::TriangleMesh& a,
                   const geometry::TriangleMesh& b, const geometry::SurfaceDistances& spread) {
   constexpr double kOtherUnit = 100;  // of sizes: as m to cm; other wrong units are off by more
+  constexpr double kApart = 0.1;      // of the smaller size: two of one object meet somewhere
   const double small = std::min(diagonal(a), diagonal(b));
   const double large = std::max(diagonal(a), diagonal(b));
   const double apart = spread.distance.cwiseAbs().minCoeff();
-  if (large < kOtherUnit * small && apart <= large) return;
+  if (large < kOtherUnit * small && apart <= kApart * small) return;
   spdlog::warn(
       "{} is {:.4g} mm large, {} {:.4g} mm, and they are {:.4g} mm apart or more: are they in the "
       "same unit (--unit) and frame? --align brings surfaces together that are only displaced",
@@ -266,7 +232,6 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
   const Eigen::ArrayXd depths = a.vertices.row(2);  // before A is moved out of its camera's frame
   if (call.align) prose = align(call, a, b, figures);
   if (!call.aligned.empty()) geometry::write_mesh(call.aligned, a);
-  prose += compare_common_parts(call, a, b, depths, figures);
   const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
   doubt_places(call, a, b, spread);
   const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
@@ -298,14 +263,19 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
                     {"upper", largest.upper},
                     {"a_to_b", to_json(largest.a_to_b)},
                     {"b_to_a", to_json(largest.b_to_a)}}}});
+  const InBoth in_both = is_range_map(call.a) ? points_in_both(a.vertices, depths, b, call.within)
+                                              : area_in_both(spread, b, call.within);
+  figures["in_both"] = to_json(in_both);
   print(settings, figures,
         prose + fmt::format(
                     "Distance of A's surface from B's, over its area: RMS {:.3f} mm, signed mean "
                     "{:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm.\n"
+                    "{}"
                     "Hausdorff distance: A to B at most {:.3f} mm (at least {:.3f}), B to A at "
                     "most {:.3f} mm (at least {:.3f}).",
-                    spread.rms, spread.mean, spread.median, spread.p90, largest.a_to_b.upper,
-                    largest.a_to_b.lower, largest.b_to_a.upper, largest.b_to_a.lower));
+                    spread.rms, spread.mean, spread.median, spread.p90, in_words(in_both),
+                    largest.a_to_b.upper, largest.a_to_b.lower, largest.b_to_a.upper,
+                    largest.b_to_a.lower));
 }
 
 }  // namespace

@@ -137,16 +137,19 @@ bool lies_in_output(const DecodeCall& call) {
   return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.output / "rig.yaml");
 }
 
-/// What the folder holds after a run that did not finish. The table of its frames is written too,
-/// as far as the disk has room for it.
+/// What the folder holds if the run ends now.
 std::string what_is_kept(const ResultFolder& folder, const DecodeRecord& record,
                          const sensing::FrameSource& source) {
+  return folder.what_is_kept(record.finished(),
+                             std::max(record.finished(), source.expected_frames()));
+}
+
+/// Writes the table of the frames of a run that did not finish.
+void write_table_if_there_is_room(const DecodeRecord& record) {
   try {
     record.write_table();
   } catch (const OutputError&) {  // --resume needs only the record
   }
-  return folder.what_is_kept(record.finished(),
-                             std::max(record.finished(), source.expected_frames()));
 }
 
 /// Decodes all frames that are not finished. All outputs of a frame are written or drawn while it
@@ -172,6 +175,7 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
   };
   Outcomes outcomes;
   Progress progress("decoding");
+  const InterruptMessage message(what_is_kept(folder, record, source));
   const auto deliver = [&](FrameItem& item) {
     const sensing::SourceFrame& frame = item.decoded.source;
     Outcome& outcome = outcomes[frame.number];
@@ -186,14 +190,19 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
       outcome.error = item.decoded.error;
       outcome.frame.name = frame.name;
     }
+    InterruptMessage::set_kept(what_is_kept(folder, record, source));
     progress.show(static_cast<int>(frame.number) + 1, static_cast<int>(source.expected_frames()));
   };
   try {
     work_in_order<FrameItem>(next, work, deliver, usual_live_items());
   } catch (const Interrupted&) {
-    throw Interrupted{"interrupted; " + what_is_kept(folder, record, source)};
+    write_table_if_there_is_room(record);
+    throw;
   } catch (...) {
-    if (record.finished() > 0) spdlog::warn("{}", what_is_kept(folder, record, source));
+    if (record.finished() > 0) {
+      write_table_if_there_is_room(record);
+      spdlog::warn("{}", what_is_kept(folder, record, source));
+    }
     throw;
   }
   record.write_table();

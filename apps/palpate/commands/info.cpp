@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -19,6 +20,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/reason_image.h"
 #include "shared/command_line.h"
@@ -225,6 +227,29 @@ Description describe_model(const fs::path& path) {
           prose};
 }
 
+bool is_depth_image(const fs::path& path) {
+  const std::optional<sensing::PngPixels> pixels = sensing::read_png_pixels(path);
+  return pixels && sensing::may_be_depths(*pixels);
+}
+
+/// What a folder of range maps and images holds; not what it does not.
+std::string folder_in_words(long maps, long sigmas, long reasons, long depth_images, long images) {
+  std::vector<std::string> words;
+  if (maps + sigmas + reasons > 0) {
+    words.push_back(fmt::format("{} ({} with deviations, {} with reasons)",
+                                counted(maps, "range map"), sigmas, reasons));
+  }
+  if (depth_images > 0) words.push_back(counted(depth_images, "depth image") + " (16-bit PNG)");
+  if (images > 0) words.push_back(counted(images, "image"));
+  std::string prose = fmt::format("{}", fmt::join(words, " and "));
+  if (depth_images > 0) {
+    prose +=
+        "; commands that read depth images need --scale, the mm of a step of their values, and "
+        "--intrinsics or --rig";
+  }
+  return prose;
+}
+
 Description describe_folder(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(path / "field.json", ignored) || fs::exists(path / "field.cbor", ignored))
@@ -250,14 +275,15 @@ Description describe_folder(const fs::path& path) {
   const auto sigmas = all_sigmas - std::count_if(files.begin(), files.end(), is_noise);
   const auto reasons = std::count_if(files.begin(), files.end(), is_reasons);
   const auto maps = std::count_if(files.begin(), files.end(), is_range_map) - all_sigmas - reasons;
-  const auto images = static_cast<long>(files.size()) - maps - all_sigmas - reasons;
+  const auto depth_images = std::count_if(files.begin(), files.end(), is_depth_image);
+  const auto images = static_cast<long>(files.size()) - maps - all_sigmas - reasons - depth_images;
   return {{{"kind", "folder"},
            {"range_maps", maps},
            {"deviations", sigmas},
            {"reasons", reasons},
+           {"depth_images", depth_images},
            {"images", images}},
-          fmt::format("folder of {} range maps ({} with deviations, {} with reasons) and {} images",
-                      maps, sigmas, reasons, images)};
+          "folder of " + folder_in_words(maps, sigmas, reasons, depth_images, images)};
 }
 
 Description describe(const fs::path& path, const geometry::ReadOptions& options) {

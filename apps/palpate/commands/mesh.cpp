@@ -166,6 +166,8 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
   std::size_t broken = 0, begun = 0;
   std::string first_error, prose;
   Progress progress("meshing");
+  const auto kept = [&] { return folder.what_is_kept(per_mesh.size() - broken, maps.size()); };
+  const InterruptMessage message(kept());
   const auto next = [&]() -> std::optional<SequenceItem> {
     if (begun == maps.size()) return std::nullopt;
     const fs::path& map = maps[begun++];
@@ -186,14 +188,11 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
       if (broken++ == 0) first_error = item.error;
     }
     per_mesh.push_back(std::move(entry));
+    InterruptMessage::set_kept(kept());
     progress.show(static_cast<int>(per_mesh.size()), static_cast<int>(maps.size()));
   };
-  try {
-    work_in_order<SequenceItem>(
-        next, [&](SequenceItem& item) { make_one(call, item); }, deliver, usual_live_items());
-  } catch (const Interrupted&) {
-    throw Interrupted{"interrupted; " + folder.what_is_kept(per_mesh.size() - broken, maps.size())};
-  }
+  work_in_order<SequenceItem>(
+      next, [&](SequenceItem& item) { make_one(call, item); }, deliver, usual_live_items());
   if (broken == maps.size()) throw FileError(first_error);
   folder.finish([](const fs::path&) { return true; });
   print(settings,

@@ -17,6 +17,7 @@
 #include "palpate/geometry/geodesic_path.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/geometry/triangle_mesh.h"
 #include "palpate/output_file.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -87,6 +88,18 @@ void write_paths(const fs::path& output, const TriangleMesh& mesh,
   });
 }
 
+/// \throws InvalidInput naming a triangle that no path can cross.
+void check_triangles(const TriangleMesh& mesh, const fs::path& file) {
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(mesh);
+  for (Eigen::Index t = 0; t < normals.cols(); ++t) {
+    if (normals.col(t).allFinite()) continue;
+    throw InvalidInput(fmt::format(
+        "{0}: triangle {1} has no area, so that no path can cross it. Repair the mesh: palpate "
+        "mesh {0} --repair -o repaired.ply",
+        file.string(), t));
+  }
+}
+
 void path(const Settings& settings, const PathCall& call) {
   check_outputs({call.surface}, {call.output});
   if (lower_extension(call.output) != ".csv")
@@ -94,6 +107,7 @@ void path(const Settings& settings, const PathCall& call) {
   if (!call.via.empty() && call.to.size() != 1)
     throw InvalidInput("palpate path: --via leads one path; pass one --to.");
   const TriangleMesh mesh = geometry::read_mesh(call.surface, call.meshes);
+  check_triangles(mesh, call.surface);
   Places places(mesh);
   const SurfacePoint from = places.at(call.from);
   std::vector<SurfacePoint> stops = {from}, targets;

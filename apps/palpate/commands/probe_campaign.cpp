@@ -202,13 +202,19 @@ std::string campaign_words(const probing::Campaign& campaign,
   return text;
 }
 
+std::string trials_kept(const probing::Campaign& campaign) {
+  return fmt::format("{} trials are kept", campaign.progress().trials);
+}
+
 void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
                     const probing::CampaignOptions& options, int most) {
   probing::Campaign& campaign = running.campaign;
   Progress progress("probing");
+  const InterruptMessage message(trials_kept(campaign));
   if (campaign.next()) running.arm->start();
   const auto show = [&] {
     const probing::CampaignProgress at = campaign.progress();
+    InterruptMessage::set_kept(trials_kept(campaign));
     progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
   };
   for (int i = 0; i < most && campaign.next(); ++i) {

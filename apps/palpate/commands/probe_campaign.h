@@ -57,6 +57,9 @@ struct CampaignFindings {
 [[nodiscard]] std::string beyond_reach(const probing::CampaignProgress& at,
                                        const probing::CampaignOptions& options);
 
+/// "5 trials are kept"
+[[nodiscard]] std::string trials_kept(const probing::Campaign& campaign);
+
 /// Performs and stores reference probes and trials until the campaign is complete, or `most`
 /// trials.
 void perform_trials(probing::CampaignStore& store, RunningCampaign& running,

@@ -96,24 +96,19 @@ void perform(const Settings& settings, probing::CampaignStore& store, RunningCam
   probing::Campaign& campaign = running.campaign;
   const probing::CampaignOptions options =
       probing::parse_campaign_options(store.description().strategy, path.string());
-  const auto kept = [&] {
-    return fmt::format("{} trials are kept; continue with: palpate probe resume {}",
-                       campaign.progress().trials, path.string());
-  };
+  const std::string how_to_continue = "continue with: palpate probe resume " + path.string();
+  const InterruptMessage message(trials_kept(campaign), how_to_continue);
   try {
-    try {
-      note_record(store, call.watch.record, campaign.progress().trials);
-      if (goes_on && running.arm->is_device() && campaign.next())
-        check_not_moved(store, running, options, call.moved_limit, path);
-      perform_trials(store, running, options);
-    } catch (const probing::ArmStopped& stopped) {
-      InterruptedByThrowing::check();  // Ctrl-C stops the arm too
-      store.note("arm_stopped", stopped.what());
-      throw DeviceError(fmt::format("the arm was stopped: {}; {}", stopped.what(), kept()));
-    }
-  } catch (Interrupted& interrupted) {
-    interrupted.message = "interrupted; " + kept();
-    throw;
+    note_record(store, call.watch.record, campaign.progress().trials);
+    if (goes_on && running.arm->is_device() && campaign.next())
+      check_not_moved(store, running, options, call.moved_limit, path);
+    perform_trials(store, running, options);
+  } catch (const probing::ArmStopped& stopped) {
+    InterruptMessage::set_kept(trials_kept(campaign));
+    InterruptedByThrowing::check();  // Ctrl-C stops the arm too
+    store.note("arm_stopped", stopped.what());
+    throw DeviceError(fmt::format("the arm was stopped: {}; {}; {}", stopped.what(),
+                                  trials_kept(campaign), how_to_continue));
   }
   if (const std::string aloud = beyond_reach(campaign.progress(), options); !aloud.empty())
     store.note("target", aloud);

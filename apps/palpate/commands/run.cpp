@@ -207,12 +207,8 @@ void run_project(const Settings& settings, RunProjectCall call) {
   fs::create_directories(folder, failed);
   const FolderLock lock(folder);
   ProjectRecord record(record_file);
-  try {
-    do_steps(calls, plan_steps(calls, record), record, report);
-  } catch (Interrupted& interrupted) {
-    interrupted.message += "; to continue, call palpate run again";
-    throw;
-  }
+  const InterruptMessage message({}, "to continue, call palpate run again");
+  do_steps(calls, plan_steps(calls, record), record, report);
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ void write(const TrackCall& call, const fs::path& range_map, const SurfaceTracke
                              .list_sizes = {}});
   };
   add("distance", surface.distance);
-  add("confidence", surface.confidence);
+  add("confidence", tracking_confidence(surface));
   if (call.pictures) draw(call, range_map, tracker, rms);
   write_node_motions(nodes_file(call, range_map), tracker.graph(), surface.node_motions);
   geometry::write_mesh_file(mesh_file(call, range_map), mesh);
@@ -205,7 +205,9 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
     tracker.start_from(
         read_node_motions(nodes_file(call, last->range_map), tracker.graph().nodes().cols()));
   Progress progress("tracking");
+  const InterruptMessage message({});
   const auto show = [&] {
+    InterruptMessage::set_kept(folder.what_is_kept(tracking.recorded, maps.size()));
     progress.show(static_cast<int>(tracking.frames.size()), static_cast<int>(maps.size()));
   };
   show();
@@ -232,12 +234,23 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
   tracking.seconds = std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Warns if the range maps hardly show how the surface moves along itself.
+void doubt_motion_along(double confidence) {
+  constexpr double kSure = 0.5;
+  if (confidence >= kSure) return;
+  spdlog::warn(
+      "the surface follows the range maps, but they hardly show how it moves along itself "
+      "(confidence {:.2f} in the median): there is too little relief, or too much noise. Vertices "
+      "move along it with the least distortion, and need not stay at the same point of the object",
+      confidence);
+}
+
 void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
             const geometry::TriangleMesh& mesh) {
   nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
   nlohmann::ordered_json lost = nlohmann::ordered_json::array();
   std::string prose, lost_names;
-  std::vector<double> rms;
+  std::vector<double> rms, confidence;
   for (std::size_t i = 0; i < tracking.frames.size(); ++i) {
     const TrackedFrame& frame = tracking.frames[i];
     nlohmann::ordered_json entry = to_json(frame);
@@ -246,6 +259,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
       const std::string file = (call.output / mesh_name(call, frame.range_map)).string();
       entry["file"] = file;
       rms.push_back(frame.rms);
+      confidence.push_back(frame.confidence);
       prose += fmt::format(
           "{} -> {}: RMS {:.3f} mm, 95 % within {:.3f} mm, largest {:.3f} mm; {:.1f} % of the "
           "vertices measured{}{}\n",
@@ -260,23 +274,27 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
     per_frame.push_back(std::move(entry));
   }
   const geometry::ErrorStatistics of_rms = geometry::error_statistics(rms);
+  const double sure = geometry::error_statistics(confidence).median;
+  doubt_motion_along(sure);
   const double done = static_cast<double>(tracking.frames.size() - tracking.kept);
-  print(
-      settings,
-      {{"range_maps", tracking.frames.size()},
-       {"meshes", rms.size()},
-       {"kept", tracking.kept},
-       {"lost", lost},
-       {"vertices", mesh.vertices.cols()},
-       {"triangles", mesh.triangles.cols()},
-       {"median_rms", of_rms.median},
-       {"largest_rms", of_rms.max},
-       {"seconds_per_frame", tracking.seconds / done},
-       {"per_frame", per_frame}},
-      prose + fmt::format("{} of {} range maps became meshes of {} vertices and {} triangles in "
-                          "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm.",
-                          rms.size(), tracking.frames.size(), mesh.vertices.cols(),
-                          mesh.triangles.cols(), call.output.string(), of_rms.median, of_rms.max));
+  print(settings,
+        {{"range_maps", tracking.frames.size()},
+         {"meshes", rms.size()},
+         {"kept", tracking.kept},
+         {"lost", lost},
+         {"vertices", mesh.vertices.cols()},
+         {"triangles", mesh.triangles.cols()},
+         {"median_rms", of_rms.median},
+         {"largest_rms", of_rms.max},
+         {"median_confidence", sure},
+         {"seconds_per_frame", tracking.seconds / done},
+         {"per_frame", per_frame}},
+        prose + fmt::format("{} of {} range maps became meshes of {} vertices and {} triangles in "
+                            "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm; "
+                            "confidence {:.2f}.",
+                            rms.size(), tracking.frames.size(), mesh.vertices.cols(),
+                            mesh.triangles.cols(), call.output.string(), of_rms.median, of_rms.max,
+                            sure));
   if (!lost.empty()) {
     throw Error(fmt::format("{} of {} frames were lost ({}); the others have their meshes.",
                             lost.size(), tracking.frames.size(), lost_names));
@@ -304,8 +322,6 @@ void track(const Settings& settings, TrackCall call) {
       .frames = record.kept(), .kept = record.kept().size(), .recorded = record.kept().size()};
   try {
     track_all(call, maps, reference, folder, record, tracking);
-  } catch (const Interrupted&) {
-    throw Interrupted{"interrupted; " + folder.what_is_kept(tracking.recorded, maps.size())};
   } catch (const OutputError&) {
     spdlog::warn("{}", folder.what_is_kept(tracking.recorded, maps.size()));
     throw;
@@ -387,10 +403,12 @@ void add_track(CLI::App& app, const Settings& settings) {
                     "folder");
   command->footer(
       "The reference is deformed to lie on each range map in turn. All meshes have the triangles "
-      "and the vertex\norder of the reference, so that a vertex is the same point of the "
-      "surface in all of them; .ply files also contain the\ndistance of each vertex from the range "
-      "map (NaN where nothing was measured) and a confidence from 0 to 1.\n"
-      "Motion along a surface without relief is not visible in range maps and is not tracked.\n"
+      "and the vertex\norder of the reference. A vertex stays at the same point of the object "
+      "where relief shows how the surface moves\nalong itself; on a plane, a sphere or another "
+      "smooth shape, range maps do not show it, and vertices move with the\nleast distortion.\n"
+      ".ply files also contain the distance of each vertex from the range map (NaN where nothing "
+      "was measured) and a\nconfidence from 0 to 1: how far the range map determines where the "
+      "vertex is, across the surface and along it.\n"
       "A frame that is broken or lost gets no mesh, the next one starts from the last frame that "
       "was "
       "tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, nodes/ "

@@ -3,6 +3,7 @@
 #include "shared/interrupts.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -21,11 +22,21 @@
 namespace palpate::apps {
 namespace {
 
-std::atomic<int> throwers = 0;
+using std::chrono::milliseconds;
+
+/// A stop that takes less is not announced.
+constexpr milliseconds kUnnoticed{100};
+constexpr milliseconds kStep{20};
+
+std::atomic<int> throwers = 0, without_haste = 0;
 std::atomic<bool> is_interrupted = false;
 std::mutex at_interrupt_mutex;
 std::function<void()> at_interrupt;  // guarded by the mutex
 int signals_to_watcher = -1;         // the end of a pipe; a handler may write to it, but not lock
+
+std::mutex words_mutex;
+std::string kept = "completed files are kept, no other file was changed";  // guarded by the mutex
+std::string how_to_continue;                                               // the same
 
 void tell_watcher(int /*signal*/) {
   const int reason = errno;
@@ -33,22 +44,45 @@ void tell_watcher(int /*signal*/) {
   errno = reason;
 }
 
+void say(const std::string& words) {
+  if (::isatty(STDERR_FILENO) != 0) std::fputs("\r\x1b[K", stderr);  // erases a progress bar
+  spdlog::critical("{}", words);
+}
+
 [[noreturn]] void end_program() {
   abandon_temporaries();
-  if (::isatty(STDERR_FILENO) != 0) std::fputs("\r\x1b[K", stderr);  // erases a progress bar
-  spdlog::critical("{}", Interrupted{}.message);
+  say(interrupt_message());
   ::_exit(kInterruptedStatus);
 }
 
+/// Whether there was a signal before `time` has passed; a negative time waits for ever.
+bool is_signalled_within(int signals, milliseconds time) {
+  pollfd waiting{.fd = signals, .events = POLLIN, .revents = 0};
+  if (::poll(&waiting, 1, static_cast<int>(time.count())) != 1) return false;
+  char byte = 0;
+  return ::read(signals, &byte, 1) == 1;
+}
+
+/// Ends the program at the next signal, or if it takes too long to stop by itself.
+[[noreturn]] void end_if_it_does_not_stop(int signals) {
+  if (is_signalled_within(signals, kUnnoticed)) end_program();
+  say("stopping; press Ctrl-C again to end at once");
+  for (milliseconds waited = kUnnoticed; waited < kLongestStop;) {
+    if (is_signalled_within(signals, kStep)) break;
+    waited = without_haste > 0 ? milliseconds(0) : waited + kStep;
+  }
+  end_program();
+}
+
 void watch(int signals) {
-  for (char byte = 0; true;) {
-    const ssize_t read = ::read(signals, &byte, 1);
-    if (read == -1 && errno == EINTR) continue;
-    if (read != 1) return;
-    if (throwers == 0 || is_interrupted.exchange(true)) end_program();
+  while (!is_signalled_within(signals, milliseconds(-1))) continue;
+  if (throwers == 0) end_program();
+  is_interrupted = true;
+  {
     const std::lock_guard lock(at_interrupt_mutex);
     if (at_interrupt) at_interrupt();
   }
+  end_if_it_does_not_stop(signals);
 }
 
 }  // namespace
@@ -70,12 +104,37 @@ void watch_for_interrupts() {
   }
 }
 
+std::string interrupt_message() {
+  const std::lock_guard lock(words_mutex);
+  return "interrupted; " + kept + (how_to_continue.empty() ? "" : "; " + how_to_continue);
+}
+
+InterruptMessage::InterruptMessage(std::string now_kept, std::string now_to_continue) {
+  const std::lock_guard lock(words_mutex);
+  kept_before_ = kept;
+  how_to_continue_before_ = how_to_continue;
+  if (!now_kept.empty()) kept = std::move(now_kept);
+  if (!now_to_continue.empty()) how_to_continue = std::move(now_to_continue);
+}
+InterruptMessage::~InterruptMessage() {
+  const std::lock_guard lock(words_mutex);
+  kept = std::move(kept_before_);
+  how_to_continue = std::move(how_to_continue_before_);
+}
+void InterruptMessage::set_kept(std::string now_kept) {
+  const std::lock_guard lock(words_mutex);
+  kept = std::move(now_kept);
+}
+
 InterruptedByThrowing::InterruptedByThrowing() { ++throwers; }
 InterruptedByThrowing::~InterruptedByThrowing() { --throwers; }
 
 void InterruptedByThrowing::check() {
   if (is_interrupted) throw Interrupted{};
 }
+
+InterruptedWithoutHaste::InterruptedWithoutHaste() { ++without_haste; }
+InterruptedWithoutHaste::~InterruptedWithoutHaste() { --without_haste; }
 
 AtInterrupt::AtInterrupt(std::function<void()> call) {
   const std::lock_guard lock(at_interrupt_mutex);

@@ -2,26 +2,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 
 namespace palpate::apps {
 
+/// The time that the program has to stop by itself after Ctrl-C.
+constexpr std::chrono::milliseconds kLongestStop{800};
+
 /// Exit status after Ctrl-C, as a shell expects it.
 constexpr int kInterruptedStatus = 130;
 
+/// The message for the user after Ctrl-C: what is kept, and what is not changed.
+[[nodiscard]] std::string interrupt_message();
+
 /// Thrown after Ctrl-C or SIGTERM, so that stack unwinding cleans up.
 struct Interrupted {
-  /// Message for the user: what is kept, and what is not changed.
-  std::string message = "interrupted; completed files are kept, no other file was changed";
+  std::string message = interrupt_message();
+};
+
+/// While one exists, `interrupt_message` says more than "completed files are kept". Thread-safe.
+class InterruptMessage {
+ public:
+  /// Words that are empty stay as they are.
+  explicit InterruptMessage(std::string kept, std::string how_to_continue = {});
+  ~InterruptMessage();
+  InterruptMessage(const InterruptMessage&) = delete;
+  InterruptMessage& operator=(const InterruptMessage&) = delete;
+
+  static void set_kept(std::string kept);
+
+ private:
+  std::string kept_before_, how_to_continue_before_;
 };
 
 /// Starts a thread that ends the program after Ctrl-C or SIGTERM with one line, without leaving
 /// temporaries. Signals that the program was started to ignore stay ignored.
 void watch_for_interrupts();
 
-/// While one exists, the first Ctrl-C does not end the program: it makes `check` throw. The second
-/// one ends it.
+/// While one exists, the first Ctrl-C does not end the program at once: it makes `check` throw. The
+/// program is ended if that takes longer than `kLongestStop`, or by the second Ctrl-C, of which the
+/// first one tells.
 class InterruptedByThrowing {
  public:
   InterruptedByThrowing();
@@ -34,8 +56,21 @@ class InterruptedByThrowing {
   static void check();
 };
 
-/// An `InterruptedByThrowing` with which the first Ctrl-C or SIGTERM also calls a function at once,
-/// from another thread. One at a time.
+/// An `InterruptedByThrowing` that gives the program as much time to stop as it takes, as an arm
+/// needs it that has to come to rest, or frames that have to be written.
+class InterruptedWithoutHaste {
+ public:
+  InterruptedWithoutHaste();
+  ~InterruptedWithoutHaste();
+  InterruptedWithoutHaste(const InterruptedWithoutHaste&) = delete;
+  InterruptedWithoutHaste& operator=(const InterruptedWithoutHaste&) = delete;
+
+ private:
+  InterruptedByThrowing throwing_;
+};
+
+/// An `InterruptedWithoutHaste` with which the first Ctrl-C or SIGTERM also calls a function at
+/// once, from another thread. One at a time.
 class AtInterrupt {
  public:
   /// Calls it now if the signal came before.
@@ -45,7 +80,7 @@ class AtInterrupt {
   AtInterrupt& operator=(const AtInterrupt&) = delete;
 
  private:
-  InterruptedByThrowing throwing_;
+  InterruptedWithoutHaste throwing_;
 };
 
 }  // namespace palpate::apps

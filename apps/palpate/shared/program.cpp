@@ -7,11 +7,15 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <new>
+#include <regex>
+#include <string>
 #include <string_view>
 #include <utility>
 
 #include "palpate/error.h"
 #include "shared/interrupts.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -31,6 +35,13 @@ class Severity : public spdlog::custom_flag_formatter {
   }
 };
 
+/// A message of the libraries without their names of types: "RemeshingOptions::max_triangles" is
+/// "max_triangles" to users of the programs.
+std::string without_type_names(const std::string& message) {
+  static const std::regex type_name(R"(\b[A-Z]\w*(Options|Method|Mapping|Limits)::(?=[a-z]))");
+  return std::regex_replace(message, type_name, "");
+}
+
 }  // namespace
 
 int run_program(const char* name, const std::function<int()>& run) {
@@ -42,13 +53,20 @@ int run_program(const char* name, const std::function<int()>& run) {
     watch_for_interrupts();
     return run();
   } catch (const InvalidInput& e) {
-    spdlog::error("{}", e.what());
+    spdlog::error("{}", without_type_names(e.what()));
     return kProgramWrongCall;
   } catch (const Interrupted& interrupted) {
     spdlog::critical("{}", interrupted.message);
     return kInterruptedStatus;
+  } catch (const std::bad_alloc&) {
+    const std::string work = Progress::latest();
+    spdlog::error(
+        "there is not enough memory{}. Pass less at a time, or ask for less: a coarser spacing or "
+        "resolution, a larger tolerance, or fewer --threads.",
+        work.empty() ? "" : " for " + work);
+    return kProgramFailed;
   } catch (const std::exception& e) {
-    spdlog::error("{}", e.what());
+    spdlog::error("{}", without_type_names(e.what()));
     return kProgramFailed;
   }
 }

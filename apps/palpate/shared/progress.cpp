@@ -27,10 +27,21 @@ std::string time_left(double seconds) {
   return fmt::format(", {} h {} min left", minutes / 60, minutes % 60);
 }
 
+std::mutex latest_mutex;
+std::string latest_work;  // guarded by the mutex
+
 }  // namespace
 
 Progress::Progress(std::string what)
-    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {
+  const std::lock_guard lock(latest_mutex);
+  latest_work = what_;
+}
+
+std::string Progress::latest() {
+  const std::lock_guard lock(latest_mutex);
+  return latest_work;
+}
 
 Progress::~Progress() {
   if (shown_) std::fputs("\r\x1b[K", stderr);

@@ -28,6 +28,9 @@ class Progress {
   /// \throws Interrupted after Ctrl-C or SIGTERM.
   void show(int done, int total);
 
+  /// The work of the one that exists, or existed last; empty if there was none.
+  [[nodiscard]] static std::string latest();
+
  private:
   void draw_bar(int done, int total, const std::string& left);
   void print_line(int done, int total, const std::string& left);

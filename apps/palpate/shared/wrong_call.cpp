@@ -81,7 +81,20 @@ std::string describe_command(const CLI::App& command, const std::vector<std::str
                      nearest ? "did you mean " + *nearest + "?" : "the commands are " + all + ".");
 }
 
+/// That an option that takes a fixed number of values has too few; empty if this is not the error.
+std::string describe_missing_values(const CLI::App& command, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return {};
+  const std::string text = error.what();
+  const CLI::Option* option = command.get_option_no_throw(text.substr(0, text.find(':')));
+  if (option == nullptr || option->get_items_expected_min() < 2) return {};
+  if (option->get_items_expected_min() != option->get_items_expected_max()) return {};
+  return fmt::format("{}: needs {} values ({})", option->get_name(),
+                     option->get_items_expected_min(), option->get_description());
+}
+
 std::string describe(const CLI::App& app, const CLI::App& command, const CLI::ParseError& error) {
+  const std::string missing = describe_missing_values(command, error);
+  if (!missing.empty()) return missing;
   const std::vector<std::string> words = app.remaining(true);
   const auto option = std::ranges::find_if(
       words, [](const std::string& word) { return word.starts_with("--") && word.size() > 2; });

@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -219,17 +221,35 @@ Eigen::VectorXd squared_errors(const ScaledSamples& samples, const FitResult& fi
   return errors.reshaped(3, samples.problem.size()).colwise().squaredNorm().transpose();
 }
 
+// The squared error that a field is expected to have at other pairs, from those at its own.
+double expected_square(const ScaledSamples& samples, const FitResult& fit,
+                       const Eigen::VectorXd& squares, double most) {
+  const double parameters = kBaseSize * static_cast<double>(fit.field.bases.size());
+  return expected_growth(parameters, 3 * static_cast<double>(samples.problem.size())) *
+         capped_mean(squares, most);
+}
+
 // Of convex fields for several multiples of the noise and a certified one, that which predicts
 // pairs best. The errors of convex fields are those at pairs that were left out: they may have
 // nearly as many parameters as there are numbers. Certified ones have far fewer, and take too long
-// to be fitted again and again.
+// to be fitted again and again. So have convex ones with as many bases as are allowed, if these are
+// few; they err because bases are missing, whatever the noise.
 FitResult best_predicting(const ScaledSamples& samples, const FitOptions& options,
                           const FitResult& convex) {
   if (samples.problem.size() < kLeftOutParts) return convex;
   FitResult best;
   double least = std::numeric_limits<double>::infinity(), most = least;
   int iterations = 0;
-  for (const double multiple : kNoiseMultiples) {
+  const bool lacks_bases = options.max_bases && *options.max_bases <= kMaxLocalBases &&
+                           std::ssize(convex.field.bases) >= *options.max_bases;
+  if (lacks_bases) {
+    const Eigen::VectorXd squares = squared_errors(samples, convex);
+    most = kOutlier * typical_variance(squares);
+    least = expected_square(samples, convex, squares, most);
+    best = convex;
+    iterations = convex.iterations;
+  }
+  for (const double multiple : lacks_bases ? std::span<const double>() : kNoiseMultiples) {
     const Eigen::VectorXd squares =
         left_out_squares(samples.problem, convex_options(samples, options, multiple));
     // Outliers must not decide.
@@ -243,14 +263,12 @@ FitResult best_predicting(const ScaledSamples& samples, const FitOptions& option
   }
   FitResult other = fit_as_local(samples, options, FitMode::certified);
   iterations += other.iterations;
-  const double parameters = kBaseSize * static_cast<double>(other.field.bases.size());
   // Where it was not measured, the field may err as many times as much as it bulges there.
   const double bulge =
       force_bulge(in_units(other.field, 1 / samples.length, 1 / samples.force_scale),
                   samples.problem.displacements(), samples.problem.forces());
   const double error =
-      expected_growth(parameters, 3 * static_cast<double>(samples.problem.size())) * bulge * bulge *
-      capped_mean(squared_errors(samples, other), most);
+      bulge * bulge * expected_square(samples, other, squared_errors(samples, other), most);
   if (is_passive(other.certificate) && error < least) best = std::move(other);
   best.iterations = iterations;
   return best;

@@ -11,6 +11,7 @@
 
 #include "palpate/error.h"
 #include "specimen/closed_form_fields.h"
+#include "specimen/finite_vector.h"
 
 namespace palpate::probing {
 namespace {
@@ -126,6 +127,7 @@ class ClosedFormSpecimen : public Specimen {
 
   Eigen::Vector3d displacement(const Eigen::Vector3d& contact,
                                const Eigen::Vector3d& force) const override {
+    require_finite("force", force, "N");
     const Eigen::Vector2d at = place(contact);
     const Eigen::Matrix3d frame = frame_at(object_, at.x(), at.y());
     return frame.transpose() * displacement_at(object_, at.x(), at.y(), frame * force);
@@ -143,6 +145,7 @@ class ClosedFormSpecimen : public Specimen {
 
  private:
   Eigen::Vector2d place(const Eigen::Vector3d& contact) const {
+    require_finite("contact", contact, "mm");
     return contact.head<2>().cwiseMax(extent_.low).cwiseMin(extent_.high);
   }
 

@@ -14,6 +14,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/require.h"
+#include "specimen/finite_vector.h"
 
 namespace palpate::probing {
 namespace {
@@ -96,6 +97,7 @@ class FiniteElementContact : public SpecimenContact {
       : solid_(solid), place_(std::move(place)), inward_(std::move(inward)) {}
 
   Vector3d displacement(const Vector3d& force) override {
+    require_finite("force", force, "N");
     // Not before, since a contact that the tip cannot reach has no displacement.
     if (!series_) series_.emplace(solid_, solid_.touch(place_, inward_));
     return tip_motion(series_->from(), place_, force, series_->apply_force(force));
@@ -120,6 +122,7 @@ class FiniteElementSpecimen : public Specimen {
   const geometry::TriangleMesh& surface() const override { return surface_; }
 
   Vector3d displacement(const Vector3d& contact, const Vector3d& force) const override {
+    require_finite("force", force, "N");
     const Place at = place(contact);
     const ContactState start = solid_.touch(at.position, at.inward);
     return tip_motion(start, at.position, force, solid_.apply_force(start, force));
@@ -141,9 +144,10 @@ class FiniteElementSpecimen : public Specimen {
     Vector3d position, inward;
   };
   Place place(const Vector3d& contact) const {
+    require_finite("contact", contact, "mm");
     const geometry::ClosestPoint closest = query_.closest_point(contact);
     if (closest.at.triangle < 0)
-      throw InvalidInput("the contact " + numbers_of(contact) + " mm is not finite");
+      throw InvalidInput("the contact " + numbers_of(contact) + " mm is too far from the object");
     Vector3d normal = Vector3d::Zero();
     for (int k = 0; k < 3; ++k)
       normal +=

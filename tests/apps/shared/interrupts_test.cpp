@@ -89,13 +89,47 @@ TEST(Interrupts, AreThrownWhereTheyAreAskedFor) {
     }
   });
   EXPECT_EQ(result.status, 1);
-  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.err.find("interrupted; "), std::string::npos) << result.err;
 }
 
-TEST(Interrupts, EndTheProgramAtTheSecondOneIfNobodyAsks) {
+TEST(Interrupts, EndTheProgramSoonIfNobodyAsks) {
+  const ScratchFolder scratch;
+  write_text(scratch / "result.txt", "old");
+  const CommandResult result = interrupted(scratch, 1, [&](const auto& ready) {
+    const InterruptedByThrowing interrupts;
+    const InterruptMessage all({}, "continue with --resume");
+    const InterruptMessage kept("no frame is kept");
+    InterruptMessage::set_kept("1 frame is kept");
+    write_file(scratch / "result.txt", [&](std::ostream& out) {
+      out << "half" << std::flush;
+      ready();
+      sleep_for_ever();
+    });
+  });
+  EXPECT_EQ(result.status, kInterruptedStatus);
+  const std::size_t told = result.err.find("stopping; press Ctrl-C again to end at once\n");
+  const std::size_t ended =
+      result.err.find("interrupted; 1 frame is kept; continue with --resume\n");
+  EXPECT_NE(ended, std::string::npos) << result.err;
+  EXPECT_LT(told, ended) << result.err;
+  EXPECT_EQ(std::distance(fs::directory_iterator(scratch.path()), fs::directory_iterator()), 2);
+}
+
+TEST(Interrupts, GiveWhatMustNotBeHurriedAllItsTime) {
+  const ScratchFolder scratch;
+  const CommandResult result = interrupted(scratch, 1, [](const auto& ready) {
+    const InterruptedWithoutHaste interrupts;
+    ready();
+    std::this_thread::sleep_for(kLongestStop + std::chrono::milliseconds(300));
+    InterruptedByThrowing::check();
+  });
+  EXPECT_EQ(result.status, 1) << result.err;
+}
+
+TEST(Interrupts, EndTheProgramAtTheSecondOneWhateverItDoes) {
   const ScratchFolder scratch;
   const CommandResult result = interrupted(scratch, 2, [](const auto& ready) {
-    const InterruptedByThrowing interrupts;
+    const InterruptedWithoutHaste interrupts;
     ready();
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     ready();

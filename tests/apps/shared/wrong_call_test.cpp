@@ -47,6 +47,11 @@ TEST(WrongCall, NamesTheNearestCommand) {
   expect_words({}, "palpate needs a command: demo, ");
 }
 
+TEST(WrongCall, NamesTheValuesThatAnOptionNeeds) {
+  expect_words({"mesh", "a.png", "-o", "b.ply", "--intrinsics", "580,580,318.5"},
+               "--intrinsics: needs 4 values (Depth image: fx,fy,cx,cy of its camera [px]");
+}
+
 TEST(WrongCall, NamesTheNearestOption) {
   expect_words({"mesh", "a.ply", "-o", "b.ply", "--tolerence", "3"},
                "--tolerence: is no option of palpate mesh; did you mean --tolerance?");

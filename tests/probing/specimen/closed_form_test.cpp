@@ -9,7 +9,9 @@
 #include <memory>
 #include <vector>
 
+#include "not_finite.h"
 #include "palpate/error.h"
+#include "refusal.h"
 
 namespace palpate::probing {
 namespace {
@@ -133,6 +135,20 @@ TEST(ClosedForm, ConesHoldForcesInsideThemOnly) {
   EXPECT_TRUE(holds(cone, {0.49, 0, 1}));
   EXPECT_FALSE(holds(cone, {0.3, 0.41, 1}));
   EXPECT_FALSE(holds(cone, {0, 0, -1}));
+}
+
+TEST(ClosedForm, RefusesPlacesAndForcesThatAreNotFinite) {
+  const auto specimen = make_specimen(Sheet{});
+  const Vector3d at(1, 2, 700), force(0.1, 0, 1);
+  for (const double wrong : {kNaN, kInf, -kInf}) {
+    const Vector3d no_place(1, wrong, 700), no_force(0.1, 0, wrong);
+    EXPECT_EQ(refusal([&] { return specimen->displacement(at, no_force); }).find("force is "), 0U);
+    EXPECT_EQ(refusal([&] { return specimen->displacement(no_place, force); }).find("contact is "),
+              0U);
+    EXPECT_EQ(refusal([&] { return specimen->friction_cone(no_place); }).find("contact is "), 0U);
+    EXPECT_EQ(refusal([&] { return specimen->at(at)->displacement(no_force); }).find("force is "),
+              0U);
+  }
 }
 
 TEST(ClosedForm, RefusesNumbersOutOfRange) {

@@ -7,9 +7,11 @@
 
 #include <Eigen/Geometry>
 
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/specimen_file.h"
+#include "refusal.h"
 
 namespace palpate::probing {
 namespace {
@@ -67,6 +69,19 @@ TEST(FiniteElementSpecimen, MovesWithTheForceWhateverCameBefore) {
   (void)other->displacement(at, 0.3 * force);
   EXPECT_EQ(other->displacement(at, force), moved);
   EXPECT_THROW((void)block->displacement(at, -force), SolverError);
+}
+
+TEST(FiniteElementSpecimen, RefusesPlacesAndForcesThatAreNotFinite) {
+  const auto block = parse_specimen(kBlock, "");
+  const Vector3d at(1, 2, 700), force(0.1, 0, 1);
+  for (const double wrong : {kNaN, kInf}) {
+    const Vector3d no_place(1, wrong, 700), no_force(0.1, 0, wrong);
+    EXPECT_THAT(refusal([&] { return block->displacement(at, no_force); }), HasSubstr("force is "));
+    EXPECT_THAT(refusal([&] { return block->at(at)->displacement(no_force); }),
+                HasSubstr("force is "));
+    EXPECT_THAT(refusal([&] { return block->displacement(no_place, force); }),
+                HasSubstr("contact is "));
+  }
 }
 
 TEST(FiniteElementSpecimen, MovesTheSameWhenManyForcesAreAskedAtOneContact) {

@@ -46,7 +46,7 @@ class Specimen {
 
   /// [mm] How far the tool has moved from `contact` when it applies `force` [N] to the object
   /// without slipping: the equilibrium that is reached by increasing the force from zero.
-  /// \throws SolverError if there is none.
+  /// \throws SolverError if there is none, InvalidInput unless contact and force are finite.
   [[nodiscard]] virtual Eigen::Vector3d displacement(const Eigen::Vector3d& contact,
                                                      const Eigen::Vector3d& force) const = 0;
 
@@ -54,6 +54,7 @@ class Specimen {
   /// results are the same to the tolerance of a solver, and may depend on the forces before.
   [[nodiscard]] virtual std::unique_ptr<SpecimenContact> at(const Eigen::Vector3d& contact) const;
 
+  /// \throws InvalidInput unless the contact is finite.
   [[nodiscard]] virtual FrictionCone friction_cone(const Eigen::Vector3d& contact) const = 0;
 
   /// [mm] of the ball that touches it; none if the tip is not a ball, or a point.
