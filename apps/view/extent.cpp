@@ -25,7 +25,7 @@ Extent extent_of(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
 }
 
 Extent extent_of(const geometry::TriangleMesh& mesh) {
-  Extent extent = extent_of(mesh.vertices);
+  Extent extent = extent_of(mesh.vertices(Eigen::all, mesh.triangles.reshaped()));
   double area = 0;
   for (const auto corners : mesh.triangles.colwise()) {
     const Eigen::Vector3d a = mesh.vertices.col(corners[0]);

@@ -7,6 +7,7 @@
 
 #include "c_calls.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/haptics/model_bytes.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playable.h"
@@ -68,14 +69,14 @@ palpate_status palpate_model_describe(const palpate_model* model, palpate_model_
     return fail(PALPATE_INVALID, "palpate_model_describe: model or facts is null");
   }
   const palpate::haptics::Model& from = *behind(model)->model;
-  const Eigen::Matrix3Xd& vertices = from.surface.vertices;
   palpate_model_facts all{};
-  all.vertices = static_cast<uint32_t>(vertices.cols());
+  all.vertices = static_cast<uint32_t>(from.surface.vertices.cols());
   all.triangles = static_cast<uint32_t>(from.surface.triangles.cols());
   all.contacts = static_cast<uint32_t>(from.contacts.size());
   all.unknown_friction = static_cast<uint32_t>(palpate::haptics::unknown_friction_count(from));
-  Eigen::Vector3d::Map(all.lower) = vertices.rowwise().minCoeff();
-  Eigen::Vector3d::Map(all.upper) = vertices.rowwise().maxCoeff();
+  const Eigen::AlignedBox3d box = palpate::geometry::bounding_box(from.surface);
+  Eigen::Vector3d::Map(all.lower) = box.min();
+  Eigen::Vector3d::Map(all.upper) = box.max();
   all.probe_radius = from.probe_radius.value_or(0);
   all.shape_error = from.response ? from.response->rms : -1;
   palpate::c::give(all, *facts);

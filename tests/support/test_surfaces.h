@@ -96,6 +96,16 @@ inline TriangleMesh icosphere(int levels, double radius) {
   return mesh;
 }
 
+/// A closed star of 320 triangles whose radii range from 1e-6 to 1e6 mm, at random.
+inline TriangleMesh star_of_many_scales() {
+  TriangleMesh star = icosphere(2, 1);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> exponent(-6, 6);
+  for (Eigen::Index v = 0; v < star.vertices.cols(); ++v)
+    star.vertices.col(v) *= std::pow(10, exponent(random));
+  return star;
+}
+
 /// Random triangles in a cube of half-width `size`; they intersect, and some are needles.
 inline TriangleMesh random_triangles(int count, double size, unsigned seed) {
   std::mt19937 random(seed);

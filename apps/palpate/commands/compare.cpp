@@ -202,25 +202,19 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                      turn.angle(), found.T_target_source.translation().norm(), found.reason);
 }
 
-double diagonal(const geometry::TriangleMesh& mesh) {
-  return Eigen::AlignedBox3d(mesh.vertices.rowwise().minCoeff(), mesh.vertices.rowwise().maxCoeff())
-      .diagonal()
-      .norm();
-}
-
 /// Warns if the surfaces cannot be two of one object.
 void doubt_places(const CompareCall& call, const geometry::TriangleMesh& a,
                   const geometry::TriangleMesh& b, const geometry::SurfaceDistances& spread) {
   constexpr double kOtherUnit = 100;  // of sizes: as m to cm; other wrong units are off by more
   constexpr double kApart = 0.1;      // of the smaller size: two of one object meet somewhere
-  const double small = std::min(diagonal(a), diagonal(b));
-  const double large = std::max(diagonal(a), diagonal(b));
+  const double small = std::min(bounding_diagonal(a), bounding_diagonal(b));
+  const double large = std::max(bounding_diagonal(a), bounding_diagonal(b));
   const double apart = spread.distance.cwiseAbs().minCoeff();
   if (large < kOtherUnit * small && apart <= kApart * small) return;
   spdlog::warn(
       "{} is {:.4g} mm large, {} {:.4g} mm, and they are {:.4g} mm apart or more: are they in the "
       "same unit (--unit) and frame? --align brings surfaces together that are only displaced",
-      call.a.string(), diagonal(a), call.b.string(), diagonal(b), apart);
+      call.a.string(), bounding_diagonal(a), call.b.string(), bounding_diagonal(b), apart);
 }
 
 /// Other inputs: the distance of A's surface from B's, over its area, and the largest distance.

@@ -90,7 +90,7 @@ MeshSurvey survey_of(const std::vector<fs::path>& meshes, const geometry::ReadOp
         survey.quantities.push_back({.name = name, .range = {}});
     }
     check_triangles(meshes[i], file.mesh, meshes.front(), survey.first);
-    for (const auto& vertex : file.mesh.vertices.colwise()) survey.box.extend(vertex);
+    survey.box.extend(geometry::bounding_box(file.mesh));
     survey.colors &= geometry::colors(file.vertex_attributes).has_value();
     std::erase_if(survey.quantities, [&](VertexQuantity& quantity) {
       const auto values = geometry::scalars(file.vertex_attributes, quantity.name);
@@ -132,8 +132,14 @@ std::vector<std::byte> pack_mesh(const geometry::MeshFile& file, const MeshSurve
   constexpr double kColorStep = 1.0 / 255;
   std::vector<std::byte> bytes;
   const Eigen::Vector3d middle = survey.box.center();
-  for (Eigen::Index axis = 0; axis < 3; ++axis)
-    append(bytes, file.mesh.vertices.row(axis).array() - middle[axis], survey.step);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    // Vertices that no triangle uses are not drawn, and may be too far away for codes.
+    const NumberRow inside = file.mesh.vertices.row(axis)
+                                 .array()
+                                 .max(survey.box.min()[axis])
+                                 .min(survey.box.max()[axis]);
+    append(bytes, inside - middle[axis], survey.step);
+  }
   for (const VertexQuantity& one : survey.quantities) {
     const Eigen::VectorXd values = geometry::scalars(file.vertex_attributes, one.name).value();
     append(bytes, values.transpose().array(), one.step);

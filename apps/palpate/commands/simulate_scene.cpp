@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/sensing/frame.h"
 #include "shared/command_line.h"
 
@@ -106,17 +107,17 @@ Eigen::Matrix3Xd closing_vertices(const SceneCall& call, const Placement& placem
 Placement place_mesh(const SceneCall& call, const sensing::Rig& rig,
                      std::optional<double> distance) {
   const geometry::TriangleMesh mesh = geometry::read_mesh(call.meshes.front(), call.read);
-  const Eigen::Vector3d low = mesh.vertices.rowwise().minCoeff();
-  const Eigen::Vector3d high = mesh.vertices.rowwise().maxCoeff();
-  const Eigen::Vector3d center = (low + high) / 2;
+  const Eigen::AlignedBox3d box = geometry::bounding_box(mesh);
+  const Eigen::Vector3d center = box.center();
   Placement placement;
   placement.T_camera_mesh.linear() = turned(call.turn);
   const Eigen::Matrix3d& R = placement.T_camera_mesh.linear();
   placement.T_camera_mesh.translation() = center - R * center;
   if (!distance) {
-    if (all_in_view(placement.T_camera_mesh * mesh.vertices, rig.camera)) return placement;
+    const Eigen::Matrix3Xd corners = mesh.vertices(Eigen::all, mesh.triangles.reshaped());
+    if (all_in_view(placement.T_camera_mesh * corners, rig.camera)) return placement;
     placement.chosen = true;
-    distance = filling_distance((high - low).norm() / 2, rig.camera);
+    distance = filling_distance(box.diagonal().norm() / 2, rig.camera);
   }
   placement.T_camera_mesh.translation() = *distance * central_ray(rig.camera) - R * center;
   return placement;

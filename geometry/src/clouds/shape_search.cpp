@@ -24,7 +24,8 @@ ShapeSearch prepare_search(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   search.least = std::max(sample, static_cast<int>(std::ceil(options.min_share * count)));
   if (count < sample) return search;
   const Eigen::Matrix3Xd known = points(Eigen::all, search.known);
-  search.frame = local_frame(known);
+  search.frame =
+      local_frame(Eigen::AlignedBox3d(known.rowwise().minCoeff(), known.rowwise().maxCoeff()));
   search.points = search.frame.to_local(known);
   const Eigen::Vector3d extent =
       search.points.rowwise().maxCoeff() - search.points.rowwise().minCoeff();

@@ -10,6 +10,7 @@
 #include "base/numbers.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 
 namespace palpate::geometry {
 namespace {
@@ -124,8 +125,8 @@ Eigen::Matrix3Xd vertex_normals(const TriangleMesh& mesh) {
 }
 
 double bounding_diagonal(const TriangleMesh& mesh) {
-  if (mesh.vertices.cols() == 0) return 0;
-  return (mesh.vertices.rowwise().maxCoeff() - mesh.vertices.rowwise().minCoeff()).norm();
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
+  return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
 }  // namespace palpate::geometry

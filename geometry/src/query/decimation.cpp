@@ -60,7 +60,7 @@ struct FloatPositions {
   std::array<int, 6> extreme{};
 
   explicit FloatPositions(const TriangleMesh& mesh) {
-    const LocalFrame frame = local_frame(mesh.vertices);
+    const LocalFrame frame = local_frame(bounding_box(mesh));
     scale = frame.scale;
     local = frame.to_local(mesh.vertices).cast<float>();
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -325,22 +325,24 @@ TexturedDecimation join_seams(Decimation decimated, const SeamedMesh& seamed) {
     }
   }
   std::vector<int> joined, source;
-  std::vector<int> first;  // of the split vertices at each place
   for (int v = 0; v < static_cast<int>(decimated.source.size()); ++v) {
     const int former =
         seamed.source[static_cast<std::size_t>(decimated.source[static_cast<std::size_t>(v)])];
     if (source.empty() || source.back() != former) {
       source.push_back(former);
-      first.push_back(v);
     }
     joined.push_back(static_cast<int>(source.size()) - 1);
   }
   decimated.mesh.triangles =
       triangles.unaryExpr([&](int v) { return joined[static_cast<std::size_t>(v)]; }).eval();
-  decimated.mesh.vertices = decimated.mesh.vertices(Eigen::all, first).eval();
   decimated.source = std::move(source);
   result.decimation = std::move(decimated);
   return result;
+}
+
+/// Moves it to where points of its triangles are rounded least, which does not change it.
+void move_near_origin(TriangleMesh& mesh) {
+  mesh.vertices.colwise() -= exact_offset(bounding_box(mesh));
 }
 
 }  // namespace
@@ -348,15 +350,23 @@ TexturedDecimation join_seams(Decimation decimated, const SeamedMesh& seamed) {
 Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) {
   check(options);
   check_mesh(mesh, "decimate(): mesh");
-  return decimate_seamed(mesh, nullptr, options);
+  CompactMesh used = compact(mesh);
+  move_near_origin(used.mesh);
+  Decimation result = decimate_seamed(used.mesh, nullptr, options);
+  for (int& v : result.source) v = used.source[static_cast<std::size_t>(v)];
+  result.mesh.vertices = mesh.vertices(Eigen::all, result.source);
+  return result;
 }
 
 TexturedDecimation decimate(const TriangleMesh& mesh, const CornerTexture& texture,
                             const DecimationOptions& options) {
   check(options);
   check_mesh(mesh, "decimate(): mesh");
-  const SeamedMesh seamed = split_at_seams(mesh, texture);
+  SeamedMesh seamed = split_at_seams(mesh, texture);
+  move_near_origin(seamed.mesh);
   TexturedDecimation result = join_seams(decimate_seamed(seamed.mesh, &seamed, options), seamed);
+  Decimation& decimation = result.decimation;
+  decimation.mesh.vertices = mesh.vertices(Eigen::all, decimation.source);
   if (texture.number.size() == 0) result.texture.number.resize(0);
   return result;
 }

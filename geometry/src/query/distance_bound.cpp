@@ -15,7 +15,9 @@
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/parallel_for.h"
+#include "query/distance_piece.h"
 
 namespace palpate::geometry {
 namespace {
@@ -27,13 +29,17 @@ constexpr std::ptrdiff_t kTrianglesPerTask = 64;
 /// number is fixed, so that the result does not depend on the number of threads.
 constexpr std::size_t kTrianglesPerBatch = 4096;
 
-/// Fraction of the diagonal of the target mesh below which bounds need not be distinguished. Far
-/// above the rounding of distances, far below any measured distance.
+/// Fraction of the diagonal of both meshes below which bounds need not be distinguished. Far above
+/// the rounding of distances, far below any measured distance.
 constexpr double kLeastGap = 1e-9;
 
 /// A corner is off a cutting line iff its distance from it exceeds this fraction of the piece's
-/// size. Corners made by a cut are on their line except for rounding, and must not be cut again.
+/// size, and the rounding of corners. Corners made by a cut are on their line except for rounding,
+/// and must not be cut again.
 constexpr double kOnLine = 1e-9;
+
+/// Bound of the rounding of corners after many cuts, as a fraction of the diagonal of both meshes.
+constexpr double kCornerRounding = 64 * std::numeric_limits<double>::epsilon();
 
 /// After this many consecutive cuts a piece is halved, because cuts alone may not terminate where
 /// the target's triangles are perpendicular to the piece.
@@ -43,36 +49,15 @@ constexpr int kMostCuts = 8;
 /// cuts across a large piece leave many slivers.
 constexpr double kCutWidth = 4;
 
-constexpr int kMostCorners = 12;
+/// Number of pieces of one triangle, and more for each triangle of the target, after which the
+/// bounds of the others are taken as they are. In the second half of them nothing is cut, because
+/// cuts between needles of the target may go on for very long. Scans need some 1000.
+constexpr double kMostPieces = 20'000;
+constexpr double kMorePieces = 64;
 
 /// A triangle is a line iff twice its area is at most this fraction of its longest edge squared: a
 /// few roundings.
 constexpr double kLeastSine = 8 * std::numeric_limits<double>::epsilon();
-
-/// A convex part of one triangle, and the triangle of the target that it is compared with.
-struct Piece {
-  std::array<Eigen::Vector3d, kMostCorners> corners;
-  int count = 0;
-  int triangle = -1;   ///< -1 if not known yet
-  int cuts = 0;        ///< since the last halving
-  bool asked = false;  ///< `triangle` is the one nearest to the centre
-
-  void add(const Eigen::Vector3d& corner) { corners[static_cast<std::size_t>(count++)] = corner; }
-  [[nodiscard]] const Eigen::Vector3d& corner(int i) const {
-    return corners[static_cast<std::size_t>(i)];
-  }
-  [[nodiscard]] Eigen::Vector3d centre() const {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (int i = 0; i < count; ++i) sum += corner(i) - corner(0);
-    return corner(0) + sum / count;
-  }
-  /// Upper bound of the distance of the piece's points from `point`.
-  [[nodiscard]] double reach(const Eigen::Vector3d& point) const {
-    double squared = 0;
-    for (int i = 0; i < count; ++i) squared = std::max(squared, (corner(i) - point).squaredNorm());
-    return std::sqrt(squared);
-  }
-};
 
 Corners corners_of(const TriangleMesh& mesh, Eigen::Index triangle) {
   const Eigen::Vector3i of = mesh.triangles.col(triangle);
@@ -84,50 +69,24 @@ double longest_edge(const Corners& c) {
       {(c[1] - c[0]).squaredNorm(), (c[2] - c[1]).squaredNorm(), (c[0] - c[2]).squaredNorm()}));
 }
 
-struct Line {
-  Eigen::Vector3d point;
-  Eigen::Vector3d normal;  ///< unit length
-};
-
-/// The parts of a piece on both sides of a plane.
-std::pair<Piece, Piece> split(const Piece& piece, const Line& line, double on_line) {
-  std::array<double, kMostCorners> side{};
-  for (int i = 0; i < piece.count; ++i) {
-    side[static_cast<std::size_t>(i)] = (piece.corner(i) - line.point).dot(line.normal);
-  }
-  Piece before, behind;
-  before.triangle = behind.triangle = piece.triangle;
-  const int sides = piece.count == 2 ? 1 : piece.count;  // a line has only one side
-  for (int i = 0; i < piece.count; ++i) {
-    const int j = (i + 1) % piece.count;
-    const double here = side[static_cast<std::size_t>(i)];
-    const double there = side[static_cast<std::size_t>(j)];
-    if (here >= -on_line) before.add(piece.corner(i));
-    if (here <= on_line) behind.add(piece.corner(i));
-    const bool crosses =
-        (here > on_line && there < -on_line) || (here < -on_line && there > on_line);
-    if (crosses && i < sides) {
-      const Eigen::Vector3d crossing =
-          piece.corner(i) + here / (here - there) * (piece.corner(j) - piece.corner(i));
-      before.add(crossing);
-      behind.add(crossing);
-    }
-  }
-  return {before, behind};
-}
-
 /// Bounds the distance of one triangle's points.
 class TriangleSearch {
  public:
-  TriangleSearch(const DistanceTarget& to, const BoundGoal& goal, double known)
-      : to_(to), goal_(goal), known_(known) {}
+  /// \param size [mm] diagonal of both meshes.
+  TriangleSearch(const DistanceTarget& to, const BoundGoal& goal, double size, double known)
+      : to_(to),
+        goal_(goal),
+        least_gap_(kLeastGap * size),
+        rounding_(kCornerRounding * size),
+        most_pieces_(kMostPieces + kMorePieces * static_cast<double>(to.mesh.triangles.cols())),
+        known_(known) {}
 
   /// `nearest`: closest point of each corner.
   TriangleBound run(const Corners& corners, const std::array<ClosestPoint, 3>& nearest) {
     witnesses_ = {};
     found_ = {.lower = nearest[0].distance, .upper = 0, .at = corners[0]};
     for (std::size_t k = 1; k < 3; ++k) raise(nearest[k].distance, corners[k]);
-    Piece whole = whole_triangle(corners);
+    DistancePiece whole = whole_triangle(corners);
     double least = kInfinity;
     for (const ClosestPoint& candidate : nearest) {
       const double bound = distances(whole, candidate.at.triangle).maxCoeff();
@@ -137,23 +96,27 @@ class TriangleSearch {
       }
     }
     todo_.assign(1, whole);
-    while (!todo_.empty() && found_.lower <= goal_.stop_above) {
-      const Piece piece = todo_.back();
+    for (pieces_ = 0; !todo_.empty() && found_.lower <= goal_.stop_above; ++pieces_) {
+      const DistancePiece piece = todo_.back();
       todo_.pop_back();
-      treat(piece);
+      if (pieces_ < most_pieces_) {
+        treat(piece);
+      } else {
+        settle(piece);
+      }
     }
     found_.upper = todo_.empty() ? std::max(found_.upper, found_.lower) : kInfinity;
     return {.largest = found_, .witnesses = witnesses_};
   }
 
  private:
-  using CornerDistances = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMostCorners, 1>;
+  using CornerDistances = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMostPieceCorners, 1>;
 
   /// Treats a triangle without area as its longest edge.
-  Piece whole_triangle(const Corners& corners) {
+  DistancePiece whole_triangle(const Corners& corners) {
     const double longest = longest_edge(corners);
     const Eigen::Vector3d area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    Piece whole;
+    DistancePiece whole;
     normal_.setZero();
     if (area.norm() > kLeastSine * longest * longest) {
       normal_ = area.stableNormalized();
@@ -168,7 +131,7 @@ class TriangleSearch {
     return whole;
   }
 
-  CornerDistances distances(const Piece& piece, int triangle) const {
+  CornerDistances distances(const DistancePiece& piece, int triangle) const {
     const Corners target = corners_of(to_.mesh, triangle);
     CornerDistances of(piece.count);
     for (int i = 0; i < piece.count; ++i) {
@@ -180,16 +143,19 @@ class TriangleSearch {
   /// A piece is finished once its distance cannot exceed this.
   [[nodiscard]] double enough() const {
     const double lower = std::max(known_, found_.lower);
-    return std::max(goal_.ignore_below,
-                    lower + std::max(goal_.max_gap * lower, kLeastGap * to_.diagonal));
+    return std::max(goal_.ignore_below, lower + std::max(goal_.max_gap * lower, least_gap_));
   }
 
   /// `upper` follows from the distances to this triangle.
   bool done(double upper, int triangle) {
     if (!(upper <= enough())) return false;
+    accept(upper, triangle);
+    return true;
+  }
+
+  void accept(double upper, int triangle) {
     found_.upper = std::max(found_.upper, upper);
     witnesses_.add(triangle);
-    return true;
   }
 
   ClosestPoint ask(const Eigen::Vector3d& point) {
@@ -205,7 +171,7 @@ class TriangleSearch {
     }
   }
 
-  void treat(const Piece& piece) {
+  void treat(const DistancePiece& piece) {
     if (piece.triangle < 0) return ask_centre(piece);
     const CornerDistances distance = distances(piece, piece.triangle);
     int worst = 0;
@@ -213,18 +179,19 @@ class TriangleSearch {
     if (done(upper, piece.triangle)) return;
     const Eigen::Vector3d centre = piece.centre();
     const double width = 2 * piece.reach(centre);
+    if (width <= least_gap_) return ask_centre(piece);  // which ends it
     const Corners target = corners_of(to_.mesh, piece.triangle);
     if (width > kCutWidth * longest_edge(target)) {
       return piece.asked ? halve(piece) : ask_centre(piece);
     }
-    if (cut(piece, target, distance, kOnLine * width)) return;
+    if (cut(piece, target, distance, std::max(kOnLine * width, rounding_))) return;
     if (!piece.asked) return ask_centre(piece);
     const ClosestPoint closest = ask(piece.corner(worst));
     if (done(closest.distance + width, closest.at.triangle)) return;
     halve(piece);
   }
 
-  void ask_centre(Piece piece) {
+  void ask_centre(DistancePiece piece) {
     const Eigen::Vector3d centre = piece.centre();
     const ClosestPoint closest = ask(centre);
     if (done(closest.distance + piece.reach(centre), closest.at.triangle)) return;
@@ -233,15 +200,22 @@ class TriangleSearch {
     todo_.push_back(piece);
   }
 
+  /// Takes the bound by the triangle nearest to the centre, however loose it is.
+  void settle(const DistancePiece& piece) {
+    const int nearest = ask(piece.centre()).at.triangle;
+    accept(distances(piece, nearest).maxCoeff(), nearest);
+  }
+
   /// Cuts along the edge of the target's triangle beyond which the too distant corners are
   /// farthest, seen along the normal; false if there is none.
-  bool cut(const Piece& piece, const Corners& target, const CornerDistances& distance,
+  bool cut(const DistancePiece& piece, const Corners& target, const CornerDistances& distance,
            double on_line) {
-    if (piece.cuts >= kMostCuts || piece.count + 1 >= kMostCorners) return false;
+    if (pieces_ > most_pieces_ / 2) return false;
+    if (piece.cuts >= kMostCuts || piece.count > kMostToCut) return false;
     const double limit = enough();
     double furthest = -on_line;
     int edge = -1;
-    Line line;
+    CutLine line;
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d& from = target[k];
       const Eigen::Vector3d across = (target[(k + 1) % 3] - from).cross(normal_);
@@ -262,7 +236,7 @@ class TriangleSearch {
       }
     }
     if (edge < 0) return false;
-    auto [inside, outside] = split(piece, line, on_line);
+    auto [inside, outside] = cut_in_two(piece, line, on_line);
     outside.triangle = to_.neighbours(edge, piece.triangle);
     inside.asked = piece.asked;
     inside.cuts = outside.cuts = piece.cuts + 1;
@@ -272,8 +246,8 @@ class TriangleSearch {
   }
 
   /// Halves it across its longest diagonal.
-  void halve(const Piece& piece) {
-    if (piece.count + 1 >= kMostCorners) return part(piece);
+  void halve(const DistancePiece& piece) {
+    if (piece.count > kMostToCut) return part(piece);
     int from = 0, to = 1;
     double longest = -1;
     for (int i = 0; i < piece.count; ++i) {
@@ -287,15 +261,16 @@ class TriangleSearch {
       }
     }
     const Eigen::Vector3d along = piece.corner(to) - piece.corner(from);
-    const auto [one, other] = split(
-        piece, {.point = piece.corner(from) + along / 2, .normal = along.stableNormalized()}, 0);
+    const auto [one, other] = cut_in_two(
+        piece, {.point = piece.corner(from) + along / 2, .normal = along.stableNormalized()},
+        rounding_);
     todo_.push_back(one);
     todo_.push_back(other);
   }
 
   /// Two parts with fewer corners.
-  void part(const Piece& piece) {
-    Piece one, other;
+  void part(const DistancePiece& piece) {
+    DistancePiece one, other;
     one.triangle = other.triangle = piece.triangle;
     const int middle = piece.count / 2;
     for (int i = 0; i <= middle; ++i) one.add(piece.corner(i));
@@ -307,11 +282,15 @@ class TriangleSearch {
 
   const DistanceTarget& to_;
   const BoundGoal& goal_;
-  double known_;  ///< [mm] distance of some point: a lower bound
+  double least_gap_;  ///< [mm]
+  double rounding_;   ///< [mm] of corners
+  double most_pieces_;
+  double known_;       ///< [mm] distance of some point: a lower bound
+  double pieces_ = 0;  ///< treated so far, of this triangle
   Eigen::Vector3d normal_;
   LargestDistance found_{};
   Witnesses witnesses_;
-  std::vector<Piece> todo_;
+  std::vector<DistancePiece> todo_;
 };
 
 }  // namespace
@@ -320,7 +299,7 @@ DistanceTarget::DistanceTarget(TriangleMesh surface)
     : mesh(std::move(surface)),
       query(mesh),
       neighbours(triangle_neighbours(mesh.triangles)),
-      diagonal(bounding_diagonal(mesh)) {}
+      box(bounding_box(mesh)) {}
 
 void Witnesses::add(int triangle) {
   if (!is_complete() || std::ranges::find(all(), triangle) != all().end()) return;
@@ -348,13 +327,16 @@ std::vector<TriangleBound> bound_triangle_distances(const TriangleMesh& from,
     of_vertex[i] = to.query.closest_point(from.vertices.col(used[i]));
   });
   double known = 0;
+  Eigen::AlignedBox3d box = to.box;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (of_vertex[i].at.triangle < 0) {
       throw InvalidInput("the surfaces lie so far apart that distances overflow (vertex " +
                          std::to_string(used[i]) + "); are both in mm?");
     }
     known = std::max(known, of_vertex[i].distance);
+    box.extend(from.vertices.col(used[i]));
   }
+  const double size = box.diagonal().norm();
   // If there is a limit, triangles are compared with it and not with each other.
   const bool is_limited = goal.stop_above < kInfinity;
   if (is_limited) known = 0;
@@ -366,7 +348,7 @@ std::vector<TriangleBound> bound_triangle_distances(const TriangleMesh& from,
     parallel_ranges(
         static_cast<std::ptrdiff_t>(count), kTrianglesPerTask,
         [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-          TriangleSearch search(to, goal, known);
+          TriangleSearch search(to, goal, size, known);
           for (auto i = first + static_cast<std::size_t>(begin);
                i != first + static_cast<std::size_t>(end); ++i) {
             std::array<ClosestPoint, 3> of_corner;

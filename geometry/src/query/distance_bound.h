@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <limits>
 #include <span>
@@ -14,12 +14,13 @@
 
 namespace palpate::geometry {
 
-/// A surface to which distances are bounded.
+/// A surface to which distances are bounded. Coordinates should be near the origin: see
+/// `exact_offset`.
 struct DistanceTarget {
   TriangleMesh mesh;
   SurfaceQuery query;
   Eigen::Matrix3Xi neighbours;  ///< see `triangle_neighbours`
-  double diagonal;              ///< [mm] of the bounding box
+  Eigen::AlignedBox3d box;      ///< see `bounding_box`
 
   /// \throws InvalidInput if the mesh is not valid.
   explicit DistanceTarget(TriangleMesh surface);

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "palpate/geometry/mesh_measures.h"
 
 namespace palpate::geometry {
 
@@ -19,17 +21,30 @@ struct LocalFrame {
   }
 };
 
-/// Precondition: at least one point, all finite.
-[[nodiscard]] inline LocalFrame local_frame(const Eigen::Matrix3Xd& points) {
+/// Precondition: the box is not empty, and finite.
+[[nodiscard]] inline LocalFrame local_frame(const Eigen::AlignedBox3d& box) {
   // Use halves, because the whole extent may overflow.
-  const Eigen::Vector3d lower = points.rowwise().minCoeff() / 2;
-  const Eigen::Vector3d upper = points.rowwise().maxCoeff() / 2;
+  const Eigen::Vector3d lower = box.min() / 2;
+  const Eigen::Vector3d upper = box.max() / 2;
   const double half_extent = (upper - lower).maxCoeff();
   // Keep the scale and its inverse normal numbers.
   constexpr int kMaxExponent = 1000;
   const int exponent = half_extent > 0 ? std::ilogb(half_extent) + 1 : 0;
   return {.centre = lower + upper,
           .scale = std::ldexp(1.0, -std::clamp(exponent, -kMaxExponent, kMaxExponent))};
+}
+
+/// A place to be subtracted from all points of a box without rounding: the box's middle on axes on
+/// which coordinates differ by at most a factor of two (Sterbenz 1974). On others it is 0, because
+/// no coordinate is more than twice as large as the box is.
+[[nodiscard]] inline Eigen::Vector3d exact_offset(const Eigen::AlignedBox3d& box) {
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double lower = box.min()[axis], upper = box.max()[axis];
+    if (lower > 0 ? upper <= 2 * lower : upper < 0 && lower >= 2 * upper)
+      offset[axis] = lower + (upper - lower) / 2;
+  }
+  return offset;
 }
 
 }  // namespace palpate::geometry

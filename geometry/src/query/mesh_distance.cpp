@@ -8,13 +8,16 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/compact_mesh.h"
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/parallel_for.h"
 #include "palpate/require.h"
 #include "query/distance_bound.h"
+#include "query/local_frame.h"
 
 namespace palpate::geometry {
 namespace {
@@ -83,6 +86,30 @@ class Border {
   const Eigen::Matrix3Xi& triangles_;
   Eigen::Matrix3Xi neighbours_;
   std::vector<bool> vertices_;
+};
+
+/// Two meshes without the vertices that no triangle uses, moved to where the corners of pieces of
+/// their triangles are rounded least. This changes neither of them.
+struct MovedMeshes {
+  TriangleMesh a, b;
+  Eigen::Vector3d offset;  ///< moved = original - offset
+
+  MovedMeshes(const TriangleMesh& of_a, const TriangleMesh& of_b)
+      : a(compact(of_a).mesh),
+        b(compact(of_b).mesh),
+        offset(exact_offset(bounding_box(a).merged(bounding_box(b)))) {
+    a.vertices.colwise() -= offset;
+    b.vertices.colwise() -= offset;
+  }
+
+  /// Bounds of the distance between them, as original.
+  [[nodiscard]] LargestDistance largest_distance(const TriangleMesh& from, const TriangleMesh& to,
+                                                 const HausdorffOptions& options) const {
+    LargestDistance largest =
+        bound_largest_distance(from, DistanceTarget(to), {.max_gap = options.max_gap});
+    largest.at += offset;
+    return largest;
+  }
 };
 
 /// Upper limit of the cells: each has three points and a place in the result, so more would exhaust
@@ -217,7 +244,8 @@ LargestDistance one_sided_hausdorff_distance(const TriangleMesh& from, const Tri
   require("HausdorffOptions::max_gap", options.max_gap, above(0).at_most(1));
   check_mesh(from, "one_sided_hausdorff_distance(): from");
   check_mesh(to, "one_sided_hausdorff_distance(): to");
-  return bound_largest_distance(from, DistanceTarget(to), {.max_gap = options.max_gap});
+  const MovedMeshes moved(from, to);
+  return moved.largest_distance(moved.a, moved.b, options);
 }
 
 HausdorffDistance hausdorff_distance(const TriangleMesh& a, const TriangleMesh& b,
@@ -225,10 +253,10 @@ HausdorffDistance hausdorff_distance(const TriangleMesh& a, const TriangleMesh& 
   require("HausdorffOptions::max_gap", options.max_gap, above(0).at_most(1));
   check_mesh(a, "hausdorff_distance(): a");
   check_mesh(b, "hausdorff_distance(): b");
-  const BoundGoal goal{.max_gap = options.max_gap};
+  const MovedMeshes moved(a, b);
   HausdorffDistance distance;
-  distance.a_to_b = bound_largest_distance(a, DistanceTarget(b), goal);
-  distance.b_to_a = bound_largest_distance(b, DistanceTarget(a), goal);
+  distance.a_to_b = moved.largest_distance(moved.a, moved.b, options);
+  distance.b_to_a = moved.largest_distance(moved.b, moved.a, options);
   distance.lower = std::max(distance.a_to_b.lower, distance.b_to_a.lower);
   distance.upper = std::max(distance.a_to_b.upper, distance.b_to_a.upper);
   return distance;

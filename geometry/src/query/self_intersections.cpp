@@ -145,12 +145,8 @@ Searched searched_triangles(const TriangleMesh& mesh) {
   }
   if (searched.original.empty()) return searched;
   searched.mesh.triangles = mesh.triangles(Eigen::all, searched.original);
-  // Vertices that are not used must not enlarge the box.
-  searched.mesh.vertices =
-      mesh.vertices.col(searched.mesh.triangles(0, 0)).replicate(1, mesh.vertices.cols());
-  for (const int v : searched.mesh.triangles.reshaped())
-    searched.mesh.vertices.col(v) = mesh.vertices.col(v);
-  searched.mesh.vertices *= local_frame(searched.mesh.vertices).scale;
+  searched.mesh.vertices = mesh.vertices;
+  searched.mesh.vertices *= local_frame(bounding_box(searched.mesh)).scale;
   std::vector<int> with_area;
   for (int t = 0; t < searched.mesh.triangles.cols(); ++t) {
     if (FlatTriangle(searched.corners(t)).dropped >= 0) with_area.push_back(t);
@@ -181,7 +177,7 @@ std::vector<int> intersecting_triangles(const TriangleMesh& mesh) {
   const auto count = static_cast<int>(searched.original.size());
   if (count == 0) return {};
   const Eigen::Matrix3Xd local =
-      local_frame(searched.mesh.vertices).to_local(searched.mesh.vertices);
+      local_frame(bounding_box(searched.mesh)).to_local(searched.mesh.vertices);
   const BoundingTree tree = build_tree(local, searched.mesh.triangles, kFloatMargin);
   std::vector<std::atomic<bool>> found(static_cast<std::size_t>(count));
   const auto test = [&](int t, int other) {

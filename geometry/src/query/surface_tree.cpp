@@ -88,10 +88,11 @@ void SurfaceTree::set_corners() {
 }
 
 Eigen::Matrix3Xd SurfaceTree::set_frame() {
-  const LocalFrame frame = local_frame(mesh_.vertices);
+  const Eigen::AlignedBox3d box = bounding_box(mesh_);
+  const LocalFrame frame = local_frame(box);
   centre_ = frame.centre;
   scale_ = frame.scale;
-  const double largest = mesh_.vertices.cwiseAbs().maxCoeff();
+  const double largest = box.max().cwiseMax(-box.min()).maxCoeff();
   on_surface_ = std::min(kOnSurface * largest * scale_, 1.0);
   margin_ = std::max(kFloatMargin, 4 * on_surface_);
   return frame.to_local(mesh_.vertices);

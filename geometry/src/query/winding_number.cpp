@@ -128,7 +128,7 @@ struct WindingNumber::Tree {
   std::vector<Cluster> clusters_;
 };
 
-WindingNumber::Tree::Tree(const TriangleMesh& mesh) : frame(local_frame(mesh.vertices)) {
+WindingNumber::Tree::Tree(const TriangleMesh& mesh) : frame(local_frame(bounding_box(mesh))) {
   vertices_ = frame.to_local(mesh.vertices);
   std::vector<std::pair<Eigen::Vector3d, int>> centroids;
   for (int t = 0; t < mesh.triangles.cols(); ++t) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/numbers.h"
+#include "mesh/compact_mesh.h"
 #include "mesh/edge_table.h"
 #include "palpate/error.h"
 #include "palpate/module.h"
@@ -73,7 +74,7 @@ const VertexClouds& vertex_clouds() {
 }  // namespace
 
 RegistrationTarget::Impl::Impl(const TriangleMesh& surface, TargetUse use)
-    : Impl(surface, local_frame(checked(surface).vertices), use) {}
+    : Impl(surface, local_frame(bounding_box(checked(surface))), use) {}
 
 RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame, TargetUse use)
     : centre(frame.centre),
@@ -208,7 +209,8 @@ const SurfelGrid& RegistrationTarget::Impl::grid() const {
 
 const VertexCloud& RegistrationTarget::Impl::vertex_cloud() const {
   std::call_once(cloud_made_, [this] {
-    cloud_ = vertex_clouds().create(tree.mesh().vertices, vertex_normals(tree.mesh()));
+    const TriangleMesh used = compact(tree.mesh()).mesh;
+    cloud_ = vertex_clouds().create(used.vertices, vertex_normals(used));
   });
   return *cloud_;
 }

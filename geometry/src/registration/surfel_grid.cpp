@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registration/surfel_grid.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "base/numbers.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
@@ -42,13 +42,13 @@ Eigen::Array2i sample_counts(const Eigen::Vector3d& first, const Eigen::Vector3d
 }  // namespace
 
 SurfelGrid::SurfelGrid(const TriangleMesh& mesh) {
-  const Eigen::Vector3d lower = mesh.vertices.rowwise().minCoeff();
-  const Eigen::Vector3d upper = mesh.vertices.rowwise().maxCoeff();
-  const double diagonal = (upper - lower).norm();
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
+  const double diagonal = box.diagonal().norm();
   cell_size_ = diagonal / kCellsAlongDiagonal;
-  lower_ = lower.array() - kMargin * diagonal;
-  cells_ =
-      ((upper - lower_).array() / cell_size_ + kMargin * kCellsAlongDiagonal).ceil().cast<int>();
+  lower_ = box.min().array() - kMargin * diagonal;
+  cells_ = ((box.max() - lower_).array() / cell_size_ + kMargin * kCellsAlongDiagonal)
+               .ceil()
+               .cast<int>();
   nearest_.assign(static_cast<size_t>(cells_.prod()), kNone);
   collect_surfels(mesh);
   std::vector<int> squared_distance(nearest_.size());

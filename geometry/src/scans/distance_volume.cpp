@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "palpate/geometry/mesh_measures.h"
+
 namespace palpate::geometry {
 namespace {
 
@@ -69,7 +71,7 @@ Eigen::Vector3d grid_position(const Grid& grid, std::int64_t key) {
 
 std::vector<GridDistance> distances_around(const ScanDistance& scan, const Grid& grid, double reach,
                                            const std::function<void()>& check) {
-  const Eigen::Vector3d far = scan.mesh().vertices.rowwise().maxCoeff().array() + reach;
+  const Eigen::Vector3d far = bounding_box(scan.mesh()).max().array() + reach;
   const double extent = (far - grid.origin).maxCoeff() / grid.spacing + 1;
   const int root = std::max(0, static_cast<int>(std::ceil(std::log2(extent))));
   Cubes cubes = {0};

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/passivity_certificate.h"
@@ -124,9 +125,7 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   check_model(model);
   ScaledModel result{.model = model};
   Model& scaled = result.model;
-  const Eigen::Vector3d middle =
-      (model.surface.vertices.rowwise().minCoeff() + model.surface.vertices.rowwise().maxCoeff()) /
-      2;
+  const Eigen::Vector3d middle = geometry::bounding_box(model.surface).center();
   const auto moved = [&](const Eigen::Matrix3Xd& points) {
     return Eigen::Matrix3Xd((S * (points.colwise() - middle)).colwise() + middle);
   };

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/require.h"
 #include "playback/slip_search.h"
 #include "playback/surface_walk.h"
@@ -102,10 +103,11 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
         "PlaybackOptions::motion: the model's forces depend on the rate, which only 'bracketed' "
         "takes into account");
   }
-  const Eigen::Matrix3Xd& vertices = model.surface.vertices;
-  reach.center = (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff()) / 2;
-  reach.radius =
-      (vertices.colwise() - reach.center).colwise().norm().maxCoeff() + options.start_depth;
+  reach.center = geometry::bounding_box(model.surface).center();
+  for (const int v : model.surface.triangles.reshaped()) {
+    reach.radius = std::max(reach.radius, (model.surface.vertices.col(v) - reach.center).norm());
+  }
+  reach.radius += options.start_depth;
 }
 
 Eigen::Vector3d Playback::Impl::centroid(int triangle) const {

@@ -171,8 +171,8 @@ double cover_of(const TriangleMesh& mesh, std::span<const int> vertices,
 std::vector<int> grid_vertices(const TriangleMesh& mesh, std::span<const Eligibility> eligible,
                                const PlanOptions& options) {
   const geometry::SurfaceQuery query(mesh);
-  const Eigen::Vector3d low = mesh.vertices.rowwise().minCoeff(),
-                        high = mesh.vertices.rowwise().maxCoeff();
+  const Eigen::AlignedBox3d box = geometry::bounding_box(mesh);
+  const Eigen::Vector3d low = box.min(), high = box.max();
   const double depth = high.z() - low.z() + options.spacing;
   std::vector<int> found;
   std::vector<bool> is_found(eligible.size());

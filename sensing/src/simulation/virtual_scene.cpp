@@ -9,6 +9,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/require.h"
 
 namespace palpate::sensing {
@@ -117,7 +118,8 @@ VirtualScene::VirtualScene(std::span<const Body> bodies) : bodies_(bodies) {
     vertices += part.vertices.cols();
     triangles += part.triangles.cols();
   }
-  lift_ = kLift * (geometry::bounding_diagonal(mesh_) + mesh_.vertices.cwiseAbs().maxCoeff());
+  const Eigen::AlignedBox3d box = geometry::bounding_box(mesh_);
+  lift_ = kLift * (box.diagonal().norm() + box.max().cwiseMax(-box.min()).maxCoeff());
   query_.emplace(mesh_);
   set_normals();
 }

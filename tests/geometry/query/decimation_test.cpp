@@ -181,6 +181,15 @@ TEST(Decimate, TakesItsVerticesFromTheInput) {
   }
 }
 
+TEST(Decimate, OfASurfaceOfManyScalesEnds) {
+  const TriangleMesh star = test::star_of_many_scales();
+  const Decimation result = decimate(star, {.max_triangles = 100});
+  const double sampled = std::max(test::sampled_distance(star, result.mesh, 1500).largest,
+                                  test::sampled_distance(result.mesh, star, 1500).largest);
+  EXPECT_LE(sampled, result.distance * (1 + 1e-12));
+  EXPECT_LE(result.distance, 1e6);
+}
+
 TEST(Decimate, OfAFlatSheetLeavesItsFourCorners) {
   const Decimation result = decimate(test::flat_sheet(40, 30, 2), {.tolerance = 0.1});
   EXPECT_EQ(result.mesh.triangles.cols(), 2);

@@ -141,6 +141,53 @@ TEST(HausdorffDistance, MovesWithTheMeshesAndScalesWithThem) {
   }
 }
 
+/// Places far from the origin [mm]: 10 km away, UTM coordinates, geocentric ones, powers of two.
+std::vector<Eigen::Vector3d> far_places() {
+  return {{6e6, 6e6, 6e6}, {465e6, 5632e6, 120e3},    {4100e6, 620e6, 4800e6},
+          {1e7, 1e7, 1e7}, {-0x1p30, 0x1p30, 0x1p30}, {0x1p36, -0x1p36, 0x1p36}};
+}
+
+TEST(HausdorffDistance, IsTheSameFarFromTheOrigin) {
+  for (const Eigen::Vector3d& place : far_places()) {
+    const auto far = [&](TriangleMesh mesh) {
+      mesh.vertices.colwise() += place;
+      return mesh;
+    };
+    // What is left of the meshes after their coordinates are rounded, moved back exactly.
+    const auto back = [&](TriangleMesh mesh) {
+      mesh.vertices.colwise() -= place;
+      return mesh;
+    };
+    const TriangleMesh a = far(test::glove(9)), b = far(test::glove(12));
+    for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+      const LargestDistance there = one_sided_hausdorff_distance(from, to);
+      const LargestDistance here = one_sided_hausdorff_distance(back(from), back(to));
+      EXPECT_LE(there.upper, 1.01 * there.lower) << place.transpose();
+      EXPECT_LE(there.lower, here.upper + kDistanceRounding) << place.transpose();
+      EXPECT_LE(here.lower, there.upper + kDistanceRounding) << place.transpose();
+      const double rounding = 1e-15 * place.norm();  // of `at`
+      EXPECT_NEAR(test::brute_force_distance(there.at - place, back(to)), there.lower,
+                  rounding + kDistanceRounding);
+      const test::SampledDistance sampled = test::sampled_distance(back(from), back(to), 2000);
+      EXPECT_LE(sampled.largest, there.upper + kDistanceRounding) << place.transpose();
+      EXPECT_GE(sampled.largest + sampled.spacing, there.lower) << place.transpose();
+    }
+  }
+}
+
+TEST(HausdorffDistance, HoldsForASurfaceOfManyScales) {
+  const TriangleMesh star = test::star_of_many_scales();
+  for (const TriangleMesh& other : {test::icosphere(1, 3e5), test::icosphere(2, 1.0)}) {
+    for (const auto& [from, to] : {std::pair(star, other), std::pair(other, star)}) {
+      const LargestDistance bounds = one_sided_hausdorff_distance(from, to);
+      const test::SampledDistance sampled = test::sampled_distance(from, to, 2000);
+      EXPECT_LE(sampled.largest, bounds.upper * (1 + kDistanceRounding));
+      EXPECT_NEAR(test::brute_force_distance(bounds.at, to), bounds.lower,
+                  kDistanceRounding * bounds.lower);
+    }
+  }
+}
+
 TEST(HausdorffDistance, BearsTrianglesWithoutArea) {
   TriangleMesh line;
   line.vertices.resize(3, 3);

@@ -43,8 +43,8 @@ struct Decimation {
 ///   triangles at all four of its centre and the midpoints between centre and corners.
 ///
 /// If the tolerance is too small to remove anything, or the input already satisfies
-/// `max_triangles`, the input is returned. With `max_triangles` the result may have more triangles
-/// if no mesh tried passes.
+/// `max_triangles`, the input is returned. Vertices without triangles are left out. With
+/// `max_triangles` the result may have more triangles if no mesh tried passes.
 /// \throws InvalidInput if the mesh is not valid or an option is outside its range.
 [[nodiscard]] Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options);
 

@@ -25,7 +25,8 @@ namespace palpate::geometry {
 
 struct HausdorffOptions {
   /// Largest gap between the bounds, as a fraction of the lower one (at least 1e-9 of the diagonal
-  /// of the mesh to which the distance is measured); in (0, 1].
+  /// of both meshes); in (0, 1]. A mesh whose triangles would have to be divided into too many
+  /// pieces, because its features differ in size by many orders of magnitude, gets a larger gap.
   double max_gap = 0.01;
 };
 
@@ -43,7 +44,8 @@ struct LargestDistance {
 /// Branch and bound over pieces of the triangles of `from`. The distance to one triangle is a
 /// convex function, so on a piece its maximum is at a corner; the best of a few triangles of `to`
 /// bounds the distance to all of `to`. Where the bound is too loose, the piece is cut along the
-/// edges of that triangle, or halved. Vertices without triangles are ignored.
+/// edges of that triangle, or halved. Far from the origin nothing is lost, because coordinates are
+/// moved near it without rounding. Vertices without triangles are ignored.
 /// \throws InvalidInput if a mesh is not valid or an option is outside its range.
 [[nodiscard]] LargestDistance one_sided_hausdorff_distance(const TriangleMesh& from,
                                                            const TriangleMesh& to,

@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
+
+/// [mm] bounding box of the triangles; empty without any. Vertices that no triangle uses do not
+/// count. Precondition: the indices of vertices are in range.
+[[nodiscard]] Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh);
 
 /// [mm^2] sum of the areas of all triangles.
 /// \throws InvalidInput if the mesh is not valid.

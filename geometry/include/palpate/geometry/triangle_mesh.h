@@ -54,7 +54,7 @@ void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, co
 /// vertex; NaN if no triangle at the vertex has an area, or if the normals cancel.
 [[nodiscard]] Eigen::Matrix3Xd vertex_normals(const TriangleMesh& mesh);
 
-/// [mm] diagonal of the bounding box, to which tolerances are relative; 0 without vertices.
+/// [mm] diagonal of the bounding box of the triangles, to which tolerances are relative, or 0.
 [[nodiscard]] double bounding_diagonal(const TriangleMesh& mesh);
 
 }  // namespace palpate::geometry
