@@ -222,9 +222,12 @@ Raises InvalidInput. Ctrl-C is not heard.)")
         Eigen::Matrix3Xd shape;
         {
           const Unlocked unlocked;
-          shape =
-              haptics::drawn_shape(surface, geometry::SurfaceQuery(surface).closest_point(place).at,
-                                   moved, {.tip = tip, .reach = reach});
+          const geometry::SurfacePoint at = geometry::SurfaceQuery(surface).closest_point(place).at;
+          if (at.triangle < 0) {
+            throw InvalidInput(
+                "contact: is so far from the surface that its distance overflows; are both in mm?");
+          }
+          shape = haptics::drawn_shape(surface, at, moved, {.tip = tip, .reach = reach});
         }
         return own_rows(std::move(shape));
       },

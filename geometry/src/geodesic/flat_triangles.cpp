@@ -24,8 +24,8 @@ void refuse_triangles_without_area(const TriangleMesh& mesh) {
   for (Eigen::Index t = 0; t < normals.cols(); ++t) {
     if (normals.col(t).allFinite()) continue;
     throw InvalidInput("geodesic_distance: triangle " + std::to_string(t) +
-                       " has no area, which GeodesicMethod::exact cannot pass; remove it or use "
-                       "GeodesicMethod::fast_marching");
+                       " has no area, which exact distances cannot pass; remove it, or use fast "
+                       "marching");
   }
 }
 

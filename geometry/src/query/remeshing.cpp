@@ -185,8 +185,8 @@ class Remesher {
 
   [[noreturn]] void refuse_size() const {
     throw InvalidInput(fmt::format(
-        "remesh: edges of {:g} mm need more than {} triangles (RemeshingOptions::max_triangles); "
-        "pass a larger edge length",
+        "remesh: edges of {:g} mm need more than the {} triangles that are allowed; pass a larger "
+        "edge length",
         options_.edge_length, options_.max_triangles));
   }
 
@@ -355,8 +355,8 @@ void check_size(const TriangleMesh& mesh, const RemeshingOptions& options) {
   const double needed = surface_area(mesh) / each;
   if (needed <= options.max_triangles) return;
   throw InvalidInput(fmt::format(
-      "remesh: edges of {:g} mm need about {:.3g} triangles on this surface, more than {} "
-      "(RemeshingOptions::max_triangles); pass an edge length of at least {:.3g} mm",
+      "remesh: edges of {:g} mm need about {:.3g} triangles on this surface, more than the {} that "
+      "are allowed; pass an edge length of at least {:.3g} mm",
       options.edge_length, needed, options.max_triangles,
       options.edge_length * std::sqrt(needed / options.max_triangles)));
 }

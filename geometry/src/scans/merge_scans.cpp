@@ -56,26 +56,26 @@ void check_sigma(const Scan& scan, const std::string& name) {
 
 /// A grid around the scans.
 Grid grid_around(const std::vector<TriangleMesh>& meshes, double spacing, double reach) {
-  Eigen::Vector3d low = meshes.front().vertices.col(0), high = low;
-  for (const TriangleMesh& mesh : meshes) {
-    low = low.cwiseMin(mesh.vertices.rowwise().minCoeff());
-    high = high.cwiseMax(mesh.vertices.rowwise().maxCoeff());
-  }
-  if (!(spacing <= (high - low).norm())) {
-    throw InvalidInput(fmt::format(
-        "MergeScansOptions::spacing is {} mm; it must be at most the size of the scans, {:.4g} mm",
-        spacing, (high - low).norm()));
+  Eigen::AlignedBox3d box;
+  for (const TriangleMesh& mesh : meshes) box.extend(bounding_box(mesh));
+  const double size = box.diagonal().norm();
+  if (!(spacing <= size)) {
+    throw InvalidInput(
+        fmt::format("MergeScansOptions::spacing is {:g} mm; it must be at most the size of the "
+                    "scans, {:.4g} mm",
+                    spacing, size));
   }
   const double margin = (reach + 2) * spacing;
-  const double extent = (high - low).maxCoeff() + 2 * margin;
+  const double extent = box.sizes().maxCoeff() + 2 * margin;
   // A cube of 2^n points must fit into the grid.
   const double finest = 2 * extent / static_cast<double>(kGridPoints);
   if (!(spacing >= finest)) {
-    throw InvalidInput("merge_scans: a grid of " + std::to_string(spacing) + " mm over " +
-                       std::to_string(extent) + " mm has too many points; the spacing must be at " +
-                       "least " + std::to_string(finest) + " mm");
+    throw InvalidInput(
+        fmt::format("merge_scans: a grid of {:g} mm over {:g} mm has too many points; the spacing "
+                    "must be at least {:g} mm",
+                    spacing, extent, finest));
   }
-  return {.origin = low.array() - margin, .spacing = spacing};
+  return {.origin = box.min().array() - margin, .spacing = spacing};
 }
 
 /// Refuses a scan whose grid points, beside those there are, need too much memory.
@@ -88,10 +88,10 @@ void check_memory(const TriangleMesh& mesh, std::size_t present, const Grid& gri
   if (needed <= options.max_memory) return;
   // The number of grid points in a layer falls with the square of the spacing.
   const double enough = grid.spacing * std::sqrt(needed / options.max_memory);
-  throw InvalidInput(name + " needs " + std::to_string(needed) + " GB for a grid of " +
-                     std::to_string(grid.spacing) + " mm; MergeScansOptions::max_memory is " +
-                     std::to_string(options.max_memory) + " GB. A spacing of " +
-                     std::to_string(enough) + " mm fits into it");
+  throw InvalidInput(fmt::format(
+      "{} needs {:g} GB for a grid of {:g} mm; MergeScansOptions::max_memory is {:g} GB. "
+      "A spacing of {:g} mm fits into it",
+      name, needed, grid.spacing, options.max_memory, enough));
 }
 
 /// The triangles of which no corner is beyond the border of all scans.
@@ -167,8 +167,10 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
   VolumeSurface surface = zero_surface(grid, volume);
   surface.mesh.triangles = measured_triangles(surface, kLargestBeyond * grid.spacing);
   if (surface.mesh.triangles.cols() == 0) {
-    throw SolverError("merge_scans: a grid of " + std::to_string(grid.spacing) +
-                      " mm finds no surface: it is too coarse for these scans");
+    throw SolverError(
+        fmt::format("merge_scans: a grid of {:g} mm finds no surface: it is too coarse for these "
+                    "scans",
+                    grid.spacing));
   }
   // Cells with two pieces can pinch the surface, and vertices without triangles are left over.
   RepairedMesh repaired = repair_mesh(surface.mesh);

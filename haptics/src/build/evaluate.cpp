@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/evaluate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -83,10 +85,10 @@ ForceSamples samples_of(const ContactModel& contact, const Model& model,
   const Eigen::Vector3d there = model.T_surface_acquisition * measured.position;
   const double distance = (surface.closest_point(there).position - contact.position).norm();
   if (!(distance <= kSamePlaceRatio * geometry::bounding_diagonal(model.surface))) {
-    throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
-                       " of the acquisition lies " + std::to_string(distance) +
-                       " mm along the surface from that of the model; pass the acquisition "
-                       "that the model was made of");
+    throw InvalidInput(
+        fmt::format("leave_one_out(): contact {} of the acquisition lies {:g} mm along the surface "
+                    "from that of the model; pass the acquisition that the model was made of",
+                    contact.id, distance));
   }
   ForceSamples samples;
   if (const std::optional<PressingOffsets> offsets = stored_offsets(model)) {
@@ -292,10 +294,10 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
       throw InvalidInput("evaluate_queries(): " + name_of(i) + " is not finite; leave it out");
     const double distance = field.surface().closest_point(query.contact).distance;
     if (!(distance <= options.max_distance)) {
-      throw InvalidInput("evaluate_queries(): the contact of " + name_of(i) + " is " +
-                         std::to_string(distance) + " mm from the surface; at most " +
-                         std::to_string(options.max_distance) +
-                         " mm are allowed. Check that queries and model are in one frame");
+      throw InvalidInput(
+          fmt::format("evaluate_queries(): the contact of {} is {:g} mm from the surface; at most "
+                      "{:g} mm are allowed. Check that queries and model are in one frame",
+                      name_of(i), distance, options.max_distance));
     }
     const Eigen::Vector3d force = field.force(query.contact, query.displacement);
     errors.push_back((force - query.force).norm());

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/merge_models.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -118,10 +120,10 @@ void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions
                              ": contact " + std::to_string(candidate.source.id);
     const ClosestPoint place = query.closest_point(candidate.contact.position);
     if (!(place.distance <= options.max_distance)) {
-      throw InvalidInput(
-          name + " is " + std::to_string(place.distance) + " mm from the merged surface; at most " +
-          std::to_string(options.max_distance) +
-          " mm are allowed. Check the poses, or raise MergeModelsOptions::max_distance");
+      throw InvalidInput(fmt::format(
+          "{} is {:g} mm from the merged surface; at most {:g} mm are allowed. Check the poses, or "
+          "raise MergeModelsOptions::max_distance",
+          name, place.distance, options.max_distance));
     }
     // A triangle without area has a NaN normal, which is no reason to refuse.
     if (normals.col(place.at.triangle).dot(candidate.outward) < 0) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "build/place_contacts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -108,7 +110,7 @@ std::vector<Facing> orient_surface(std::vector<Facing> facing, BuildResult& resu
   return facing;
 }
 
-std::string millimetres(double distance) { return std::to_string(distance) + " mm"; }
+std::string millimetres(double distance) { return fmt::format("{:g} mm", distance); }
 
 // The reason why a contact does not fit the surface; empty if it does.
 std::string misfit(double distance, Facing facing, const BuildOptions& options) {
@@ -129,7 +131,8 @@ std::string what_brings_near(const std::vector<probing::Contact>& contacts,
   Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i)
     places.col(static_cast<Eigen::Index>(i)) = contacts[i].position;
-  const double of_contacts = extent(places), of_surface = extent(result.model.surface.vertices);
+  const double of_contacts = extent(places);
+  const double of_surface = geometry::bounding_diagonal(result.model.surface);
   if (of_contacts <= kOtherUnit * of_surface && of_surface <= kOtherUnit * of_contacts) {
     return "Check that contacts and surface belong together and are in one frame, or raise "
            "BuildOptions::max_distance. ";

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/playable.h"
 
+#include <fmt/format.h>
+
 #include <string>
 
 #include "palpate/error.h"
@@ -18,10 +20,10 @@ void check_playable(const Model& model, const PlayableOptions& options) {
     const std::string name = "contact " + std::to_string(contact.id);
     const double distance = surface.closest_point(contact.position).distance;
     if (!(distance <= options.off_surface)) {
-      throw InvalidInput(name + " lies " + std::to_string(distance) +
-                         " mm off the surface; contacts lie on it, to " +
-                         std::to_string(options.off_surface) +
-                         " mm: the surface may be another one, or in another unit");
+      throw InvalidInput(fmt::format(
+          "{} lies {:g} mm off the surface; contacts lie on it, to {:g} mm: the surface "
+          "may be another one, or in another unit",
+          name, distance, options.off_surface));
     }
     if (contact.field.bases.size() > options.most_bases) {
       throw InvalidInput(name + " has " + std::to_string(contact.field.bases.size()) +

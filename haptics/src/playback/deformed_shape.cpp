@@ -96,6 +96,7 @@ Eigen::Matrix3Xd drawn_shape(const geometry::TriangleMesh& surface,
                              const Eigen::Vector3d& displacement,
                              const DrawnShapeOptions& options) {
   check(options);
+  geometry::check_surface_point(surface, contact, "drawn_shape(): contact");
   Eigen::Matrix3Xd shape = surface.vertices;
   if (!displacement.allFinite() || displacement.isZero(0)) return shape;
   const double radius = dent_radius(options, displacement);

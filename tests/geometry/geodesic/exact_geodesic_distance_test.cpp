@@ -360,6 +360,8 @@ TEST(ExactGeodesicDistance, RefusesWhatIsNoManifoldOrHasNoArea) {
   TriangleMesh flat = test::flat_sheet(3, 3, 1);
   flat.vertices(0, 5) = 2;  // onto vertex 6, its neighbour
   EXPECT_NE(refused(flat).find("has no area"), std::string::npos);
+  EXPECT_EQ(refused(flat).find("::"), std::string::npos)
+      << "names of C++ mean nothing to most users";
 
   TriangleMesh turned = test::flat_sheet(3, 3, 1);
   turned.triangles.col(4).reverseInPlace();

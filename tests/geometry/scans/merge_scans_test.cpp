@@ -347,6 +347,9 @@ TEST(MergeScans, RefuseAGridThatDoesNotFitIntoMemory) {
                   ::testing::AllOf(::testing::HasSubstr("GB"), ::testing::HasSubstr("spacing"))));
   EXPECT_THAT([&] { (void)merge_scans(scans, {.spacing = 1e-4, .max_memory = kInf}); },
               ::testing::ThrowsMessage<InvalidInput>(::testing::HasSubstr("too many points")));
+  const std::vector<Scan> huge = {{.mesh = test::icosphere(3, 1e100)}};
+  EXPECT_THAT([&] { (void)merge_scans(huge, {.spacing = 1e80}); },
+              ::testing::ThrowsMessage<InvalidInput>(::testing::HasSubstr("a grid of 1e+80 mm")));
 }
 
 constexpr double kBall = 18;     // [mm] radius of a ball about the origin

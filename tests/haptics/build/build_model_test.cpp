@@ -225,9 +225,8 @@ TEST(BuildModel, MakesModelsOfLessThanAKilobyteAndAHalfAContact) {
 TEST(BuildModel, RefusesAContactOffTheSurface) {
   probing::Acquisition acquisition = flat_acquisition();
   acquisition.contacts[4].position.z() -= 3;
-  EXPECT_THAT(
-      refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
-      AllOf(HasSubstr("contact 24"), HasSubstr("from the surface"), HasSubstr("at most 2")));
+  EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
+              AllOf(HasSubstr("contact 24 is 3 mm from the surface"), HasSubstr("at most 2 mm")));
   acquisition = flat_acquisition();
   for (probing::Contact& contact : acquisition.contacts) contact.position.z() += 10;
   EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),

@@ -71,6 +71,14 @@ TEST(DrawnShape, IsTheSurfaceWithoutADisplacement) {
             std::string::npos);
 }
 
+TEST(DrawnShape, RefusesAContactThatIsNotOnTheSurface) {
+  const geometry::TriangleMesh mesh = flat_surface(20, 10);
+  const std::string refused = refusal([&] {
+    return drawn_shape(mesh, geometry::SurfacePoint{}, {0, 0, 1});
+  });
+  EXPECT_EQ(refused.find("drawn_shape(): contact: triangle -1"), 0) << refused;
+}
+
 TEST(MeasuredShape, HasTheContactAtTheToolAndIsContinuous) {
   const FollowingSheet sheet;
   const SurfaceResponse response = sheet.fit();
