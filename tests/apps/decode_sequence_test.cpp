@@ -148,6 +148,24 @@ TEST_F(DecodeSequence, ResumingDecodesFramesAnewWhosePicturesAreMissing) {
   EXPECT_EQ(figures(frame, all)["kept"], 1);
 }
 
+TEST_F(DecodeSequence, DeviationsAndReasonsAreDrawnOnlyAsPictures) {
+  const nlohmann::json written = figures(scratch / "frames", {"--sigma", "--reasons"});
+  for (const auto& entry : fs::directory_iterator(scratch / "range"))
+    EXPECT_NE(entry.path().extension(), ".png") << entry.path();
+  EXPECT_TRUE(fs::exists(scratch / "range/000002_sigma.tiff"));
+  EXPECT_TRUE(fs::exists(scratch / "range/000002_reasons.tiff"));
+  EXPECT_EQ(figures(scratch / "frames", {"--sigma", "--reasons", "--resume"})["kept"], 3);
+}
+
+TEST_F(DecodeSequence, TheTimeOfWritingContainsThePictures) {
+  const nlohmann::json drawn = figures(scratch / "frames/0.png", {"--pictures"});
+  // [s] of a run that mostly draws.
+  const double run = 1 / drawn["frames_per_second"].get<double>();
+  const double writing = drawn["write_ms_per_frame"].get<double>() / 1000;
+  EXPECT_LE(writing, run);
+  EXPECT_GE(writing, run / 2);
+}
+
 // Nothing that the run has written is read again: what somebody removes meanwhile does not matter.
 TEST_F(DecodeSequence, PicturesNeedNoFileThatTheRunHasWritten) {
   std::atomic<bool> done = false;
@@ -399,7 +417,7 @@ TEST_F(DecodeSequence, ARawMosaicGivesNearlyTheDepthsOfTheWholeImage) {
 }
 
 TEST_F(DecodeSequence, ReasonsAreAnImageWithALegendAndCodesThatInfoCounts) {
-  figures(scratch / "frames/0.png", {"--reasons"});
+  figures(scratch / "frames/0.png", {"--reasons", "--pictures"});
   const cv::Mat codes = sensing::read_frame(scratch / "range/000000_reasons.tiff");
   ASSERT_EQ(codes.type(), CV_8UC1);
   const CommandResult result =

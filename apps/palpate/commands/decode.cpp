@@ -64,7 +64,7 @@ struct DecodeCall {
 struct FrameItem {
   sensing::DecodedFrame decoded;
   FinishedFrame finished;
-  double write_milliseconds = 0;  ///< including counting of pixels and logging
+  double write_milliseconds = 0;  ///< including counting of pixels, logging and pictures
 };
 
 /// The next frame to be decoded. Frames that an earlier run has finished are added to `kept`.
@@ -100,12 +100,15 @@ cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
 
 /// Warns if most phases are of no use because their surfaces have no anchor.
 void warn_of_pixels_without_anchor(const std::string& frame, const sensing::ReasonImage& reasons) {
-  const long without = sensing::count(reasons, sensing::Reason::no_transition);
+  const long without = sensing::count(reasons, sensing::Reason::no_transition) +
+                       sensing::count(reasons, sensing::Reason::possible_step);
   const long decoded = sensing::count(reasons, sensing::Reason::reconstructed);
   if (without <= decoded) return;
   spdlog::warn(
-      "{}: {} pixels show the sinusoid on surfaces without an anchor, only {} on surfaces with "
-      "one. Give an --anchor on each surface, at its depth in mm, away from edges and holes.",
+      "{}: {} pixels show the sinusoid on surfaces without an anchor, or where a step may hide, "
+      "only {} on surfaces with one. Give an --anchor on each surface, at its depth in mm, away "
+      "from "
+      "edges and holes.",
       frame, without, decoded);
 }
 
@@ -180,7 +183,10 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
     const sensing::SourceFrame& frame = item.decoded.source;
     Outcome& outcome = outcomes[frame.number];
     if (item.decoded.error.empty()) {
+      const Clock::time_point start = Clock::now();
       draw_outputs(call.outputs, frame.number, item.decoded.result, frame.name);
+      item.write_milliseconds +=
+          std::chrono::duration<double, std::milli>(Clock::now() - start).count();
       record.add(item.finished);
       outcome = {.error = {},
                  .frame = item.finished,
@@ -293,7 +299,6 @@ void decode(const Settings& settings, DecodeCall call) {
 
   const Clock::time_point start = Clock::now();
   const Outcomes outcomes = decode_all(decoder, call, source, folder, record);
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
                                     [](const auto& entry) { return !entry.second.error.empty(); });
   if (outcomes.empty())
@@ -301,6 +306,7 @@ void decode(const Settings& settings, DecodeCall call) {
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
   const sensing::DecodeJudgement judgement = judge_sequence(outcomes);
   if (judgement.usable() || call.force) folder.finish([](const fs::path&) { return true; });
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   report_decoding(settings, folder.place(), call.outputs, outcomes, judgement, seconds);
   refuse_misfit(judgement, call.force, folder);
   if (broken > 0)
@@ -370,17 +376,19 @@ void add_decode(CLI::App& app, const Settings& settings) {
   command->add_flag("--surface-color", outputs.color,
                     "Also write the colour of the surface without stripes and fringes, "
                     "NNNNNN_color.png, and give it to --meshes (ply, obj, pcd)");
-  command->add_flag("--pictures", outputs.pictures,
-                    "Also draw each range map in false colour (PNG)");
+  command->add_flag(
+      "--pictures", outputs.pictures,
+      "Also draw each range map in false colour (PNG), and what --sigma and --reasons "
+      "write; drawing takes longer than decoding");
   command->add_flag("--sigma", outputs.sigma,
                     "Also write the predicted standard deviation of each depth [mm]: "
-                    "NNNNNN_sigma.tiff and the picture NNNNNN_sigma.png. If the rig has a "
+                    "NNNNNN_sigma.tiff. If the rig has a "
                     "covariance (calibrate rig writes it), they contain the rig's uncertainty, and "
                     "NNNNNN_noise.tiff has the noise alone; otherwise the rig counts as exact");
   command->add_flag(
       "--reasons", outputs.reasons,
-      "Also write why pixels have no depth: codes in NNNNNN_reasons.tiff, and a picture "
-      "with a legend, NNNNNN_reasons.png");
+      "Also write why pixels have no depth, as codes: NNNNNN_reasons.tiff. The picture of "
+      "--pictures has a legend");
   CLI::Option* resume = command->add_flag(
       "--resume", call->resume,
       "Keep the frames that an earlier run with the same settings finished in this "

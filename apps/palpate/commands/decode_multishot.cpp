@@ -152,7 +152,7 @@ void report(const Settings& settings, const MultishotCall& call,
       {"ms_per_frame", median(decode_ms)},
       {"read_ms_per_frame", median(read_ms)},
       {"write_ms_per_frame", median(write_ms)},
-      {"frames_per_second", static_cast<double>(outcomes.size()) / seconds},
+      {"frames_per_second", static_cast<double>(decode_ms.size()) / seconds},
       {"sigma_includes_rig", false},
       {"per_frame", per_frame}};
   print(settings, figures,

@@ -87,10 +87,11 @@ void draw_outputs(const DecodeOutputs& outputs, std::size_t number,
   const auto file = [&](const std::string& ending) {
     return numbered(outputs.folder, number, ending);
   };
+  if (!outputs.pictures) return;
   if (outputs.reasons)
     pictures::draw_labels(file("_reasons.png"), result.reasons, reason_words(), title);
   if (!(result.range.z > 0).any()) return;
-  if (outputs.pictures) pictures::draw_range_map(file(".png"), result.range, title);
+  pictures::draw_range_map(file(".png"), result.range, title);
   if (outputs.sigma) pictures::draw_deviation(file("_sigma.png"), result.sigma, title);
 }
 
@@ -98,11 +99,14 @@ bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surf
   const auto has = [&](bool wanted, const std::string& ending) {
     return !wanted || is_there(numbered(outputs.folder, number, ending));
   };
+  const bool pictures = outputs.pictures;
   return has(true, ".tiff") && has(outputs.color, "_color.png") &&
-         has(outputs.sigma, "_sigma.tiff") && has(outputs.sigma && has_surface, "_sigma.png") &&
-         has(outputs.noise, "_noise.tiff") && has(outputs.reasons, "_reasons.tiff") &&
-         has(outputs.reasons, "_reasons.png") && has(outputs.pictures && has_surface, ".png") &&
-         has(!outputs.meshes.empty() && has_surface, "." + outputs.meshes);
+         has(outputs.sigma, "_sigma.tiff") && has(outputs.noise, "_noise.tiff") &&
+         has(outputs.reasons, "_reasons.tiff") &&
+         has(!outputs.meshes.empty() && has_surface, "." + outputs.meshes) &&
+         has(pictures && has_surface, ".png") &&
+         has(pictures && has_surface && outputs.sigma, "_sigma.png") &&
+         has(pictures && outputs.reasons, "_reasons.png");
 }
 
 }  // namespace palpate::apps

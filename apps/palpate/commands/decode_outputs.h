@@ -18,10 +18,10 @@ struct DecodeOutputs {
   std::filesystem::path folder;
   std::string meshes;     ///< file extension without the dot, pcd for points; empty for none
   bool color = false;     ///< NNNNNN_color.png, and colours of the meshes
-  bool sigma = false;     ///< NNNNNN_sigma.tiff, NNNNNN_sigma.png
+  bool sigma = false;     ///< NNNNNN_sigma.tiff
   bool noise = false;     ///< NNNNNN_noise.tiff; only if the rig has a covariance
-  bool reasons = false;   ///< NNNNNN_reasons.tiff, NNNNNN_reasons.png
-  bool pictures = false;  ///< NNNNNN.png
+  bool reasons = false;   ///< NNNNNN_reasons.tiff
+  bool pictures = false;  ///< NNNNNN.png, and a picture of each of the images above
 };
 
 /// The file of frame `number`: folder/NNNNNN followed by `ending`.
@@ -38,7 +38,8 @@ struct DecodeOutputs {
 void write_outputs(const DecodeOutputs& outputs, std::size_t number,
                    const sensing::DecodeResult& result, const cv::Mat& color = {});
 
-/// Draws the pictures of a frame. A frame without a depth has only that of its reasons.
+/// Draws the pictures of a frame, if there are to be any. A frame without a depth has only that of
+/// its reasons.
 /// \throws OutputError if a picture cannot be drawn.
 void draw_outputs(const DecodeOutputs& outputs, std::size_t number,
                   const sensing::DecodeResult& result, const std::string& title);

@@ -94,8 +94,7 @@ void report_decoding(const Settings& settings, const fs::path& output, const Dec
   const auto kept = std::count_if(outcomes.begin(), outcomes.end(),
                                   [](const auto& entry) { return entry.second.kept; });
   const double median_ms = geometry::error_statistics(milliseconds).median;
-  const double rate =
-      static_cast<double>(outcomes.size() - static_cast<std::size_t>(kept)) / seconds;
+  const double rate = static_cast<double>(decoded - static_cast<std::size_t>(kept)) / seconds;
   const nlohmann::ordered_json figures = {
       {"frames", outcomes.size()},
       {"decoded", decoded},

@@ -3,12 +3,10 @@
 #include "files/image_codecs.h"
 
 #include <opencv2/core.hpp>
-#include <ostream>
 
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/module.h"
-#include "palpate/output_file.h"
 
 namespace palpate::sensing {
 namespace {
@@ -30,20 +28,6 @@ cv::Mat decode_image(const std::filesystem::path& path, const std::string& bytes
   }
   if (image.empty()) throw FileError(path.string() + ": is truncated or damaged");
   return image;
-}
-
-void write_image(const std::filesystem::path& path, const std::string& ending,
-                 const cv::Mat& image) {
-  std::vector<unsigned char> bytes;
-  try {
-    bytes = image_codecs().encode(ending, image);
-  } catch (const cv::Exception& error) {
-    throw OutputError(path.string() + ": cannot be encoded (" + error.err + ")");
-  }
-  write_file(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  });
 }
 
 }  // namespace palpate::sensing

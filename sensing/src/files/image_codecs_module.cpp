@@ -13,12 +13,6 @@ cv::Mat decode(const std::string& bytes, int flags) {
   return cv::imdecode(buffer, flags);
 }
 
-std::vector<unsigned char> encode(const std::string& ending, const cv::Mat& image) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(ending, image, bytes)) CV_Error(cv::Error::StsError, "OpenCV cannot encode it");
-  return bytes;
-}
-
 }  // namespace
 
-const palpate::sensing::ImageCodecs palpate_image_codecs{&decode, &encode};
+const palpate::sensing::ImageCodecs palpate_image_codecs{&decode};

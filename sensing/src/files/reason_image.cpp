@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <string>
 
-#include "files/image_codecs.h"
 #include "palpate/error.h"
 #include "palpate/sensing/frame.h"
+#include "palpate/sensing/tiff_frame.h"
 
 namespace palpate::sensing {
 
@@ -15,7 +15,11 @@ void write_reasons(const std::filesystem::path& path, const ReasonImage& reasons
   if (reasons.size() == 0) throw InvalidInput(path.string() + ": reasons without pixels to write");
   const cv::Mat image(static_cast<int>(reasons.rows()), static_cast<int>(reasons.cols()), CV_8U,
                       const_cast<std::uint8_t*>(reasons.data()));
-  write_image(path, path.extension().string(), image);
+  if (path.extension() == ".png") {
+    write_png(path, image);
+  } else {
+    write_tiff(path, image);
+  }
 }
 
 ReasonImage read_reasons(const std::filesystem::path& path) {

@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "files/image_codecs.h"
 #include "palpate/sensing/frame.h"
+#include "palpate/sensing/tiff_frame.h"
 #include "test_files.h"
 
 namespace palpate::sensing {
@@ -22,7 +22,7 @@ TEST(Module, ThreadsMayNeedItForTheFirstTimeAtOnce) {
   std::vector<std::thread> threads;
   for (int i = 0; i < 8; ++i) {
     threads.emplace_back([&, file = folder / (std::to_string(i) + ".tiff")] {
-      sensing::write_image(file, ".tiff", image);
+      write_tiff(file, image);
       same += cv::norm(read_frame(file), image, cv::NORM_INF) == 0 ? 1 : 0;
     });
   }
