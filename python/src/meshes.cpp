@@ -11,6 +11,7 @@
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "plausible.h"
 
 namespace palpate::python {
 namespace {
@@ -303,6 +304,7 @@ A file is replaced as a whole, or not at all. Raises OutputError.)");
   module.def(
       "mesh_from",
       [](const RangeMap& map, double max_depth_step, double max_incidence) {
+        tell_doubts("mesh_from(): map", sensing::range_map_doubts(map));
         const Unlocked unlocked;
         return geometry::mesh_range_map(
                    map, {.max_depth_step = max_depth_step, .max_incidence = max_incidence})
@@ -315,7 +317,8 @@ A file is replaced as a whole, or not at all. Raises OutputError.)");
 max_depth_step: neighbouring pixels are on one surface if their depths differ by at most this
 fraction, or agree with the slopes on both sides.
 max_incidence: [rad] greatest angle between a triangle's normal and its viewing ray.
-Raises InvalidInput. Ctrl-C is not heard.)");
+Warns of a camera or depths that are unlikely. Raises InvalidInput, also if they are impossible.
+Ctrl-C is not heard.)");
 }
 
 }  // namespace

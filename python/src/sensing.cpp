@@ -18,6 +18,7 @@
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
+#include "plausible.h"
 
 namespace palpate::python {
 namespace {
@@ -89,8 +90,17 @@ void add_files(py::module_& module) {
           },
           "Names of the colours.");
 
-  module.def("read_rig", &sensing::read_rig, arg("path"),
-             "Reads a rig (OpenCV's YAML). Raises FileError.");
+  module.def(
+      "read_rig",
+      [](const fs::path& path) {
+        Rig rig = sensing::read_rig(path);
+        tell_doubts(path.string(), sensing::rig_doubts(rig));
+        return rig;
+      },
+      arg("path"),
+      R"(Reads a rig (OpenCV's YAML), and warns of lengths and angles that are unlikely.
+
+Raises FileError, or InvalidInput if there cannot be such a rig.)");
   module.def("read_pattern", &sensing::read_pattern, arg("path"),
              "Reads a pattern (OpenCV's YAML). Raises FileError.");
   module.def("read_trained_colors", &sensing::read_trained_colors, arg("path"),
@@ -122,10 +132,12 @@ Colours are blue, green, red, as in OpenCV. Raises FileError.)");
   module.def(
       "read_range_map",
       [](const fs::path& path, const std::optional<fs::path>& rig) {
-        const Unlocked unlocked;
-        geometry::RangeMap map{
-            .z = geometry::read_depth_tiff(path),
-            .camera = sensing::read_camera(rig.value_or(path.parent_path() / "rig.yaml"))};
+        geometry::RangeMap map;
+        {
+          const Unlocked unlocked;
+          map = {.z = geometry::read_depth_tiff(path),
+                 .camera = sensing::read_camera(rig.value_or(path.parent_path() / "rig.yaml"))};
+        }
         if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
           throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
                              std::to_string(map.z.rows()) + " pixels, but its camera has " +
@@ -133,12 +145,14 @@ Colours are blue, green, red, as in OpenCV. Raises FileError.)");
                              std::to_string(map.camera.height) +
                              ". Pass the rig that this range map was made with.");
         }
+        tell_doubts(path.string(), sensing::range_map_doubts(map));
         return map;
       },
       arg("path"), arg("rig") = py::none(),
       R"(Reads a range map (float32 TIFF, mm), as `palpate decode` writes it.
 
-rig: file with its camera; None: rig.yaml beside it. Raises FileError or InvalidInput.)");
+rig: file with its camera; None: rig.yaml beside it. Warns of a camera or depths that are unlikely.
+Raises FileError, or InvalidInput if the sizes differ, or camera or depths are impossible.)");
 }
 
 py::dict counts_of(const DecodeResult& result) {

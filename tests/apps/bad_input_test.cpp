@@ -290,6 +290,37 @@ TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {
   EXPECT_FALSE(fs::exists(scratch / "hand.ply"));
 }
 
+TEST_F(BadInput, ADepthImageWithACameraOrAUnitThatCannotBe) {
+  const auto mesh = [&](const std::string& scale, const std::string& intrinsics) {
+    return std::vector<std::string>{
+        "mesh", demo("depth_camera/hand.png"), "--scale", scale, "--intrinsics", intrinsics,
+        "-o",   scratch / "hand.ply"};
+  };
+  const std::string camera = "476.007,476.007,313.683,242.755";
+  expect_refused(mesh("0.125", "5.8,5.8,318.5,242"), "a focal length in mm");
+  expect_refused(mesh("0.000125", camera), "if the number is in metres");
+  expect_refused(mesh("1e12", camera), "depths: half of them are below");
+  EXPECT_FALSE(fs::exists(scratch / "hand.ply"));
+  const CommandResult told = run_palpate(mesh("0.125", "476.007,476.007,2000,242.755"));
+  EXPECT_EQ(told.status, kDone) << told.err;
+  EXPECT_NE(told.err.find("degrees from the optical axis"), std::string::npos) << told.err;
+}
+
+TEST_F(BadInput, ARigInMetresOrMicrometres) {
+  train();
+  // t of the bundled rig, which is 223.9 mm long.
+  const std::string text = read_text(demo("rig.yaml"));
+  const auto begin = text.find('[', text.find("data", text.find("\nt:"))) + 1;
+  const std::string numbers = text.substr(begin, text.find(']', begin) - begin);
+  for (const auto& [exponent, unit] : {std::pair{"e-3", "metres"}, {"e3", "micrometres"}}) {
+    const std::string scaled =
+        std::regex_replace(numbers, std::regex("(\\.[0-9]*)"), std::string("$1") + exponent);
+    expect_refused(decode_call(demo("frames/duck.png"), changed("rig.yaml", numbers, scaled),
+                               demo("pattern.yaml"), scratch / "colors.yaml"),
+                   std::string("223.9 mm if the number is in ") + unit);
+  }
+}
+
 TEST_F(BadInput, WhatIsDoneToAMeshTakesNumbersThatMakeSense) {
   const std::string hand = repository("meshes/hand.ply").string();
   for (const std::string option : {"--tolerance", "--fill-holes"}) {

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 """Frames are decoded into range maps."""
+import pathlib
+import tempfile
 import unittest
 
 import numpy as np
@@ -53,6 +55,25 @@ class Decoding(unittest.TestCase):
         for frame in (self.frame[:-1], self.frame[..., 0], np.zeros((0, 0, 3), np.uint8)):
             with self.assertRaises(palpate.InvalidInput):
                 self.decoder.decode(frame)
+
+    def test_a_rig_in_other_units_is_told_or_refused(self):
+        text = (DEMO / "rig.yaml").read_text()
+        begin = text.index("data", text.index("\nt:"))
+        numbers = text[text.index("[", begin) + 1:text.index("]", begin)]
+
+        def rig_in(mm):
+            with tempfile.TemporaryDirectory() as folder:
+                path = pathlib.Path(folder) / "rig.yaml"
+                scaled = ", ".join(str(float(number) / mm) for number in numbers.split(","))
+                path.write_text(text.replace(numbers, scaled))
+                return palpate.read_rig(path)
+
+        with self.assertRaisesRegex(palpate.InvalidInput, "223.9 mm if the number is in metres"):
+            rig_in(1000)
+        with self.assertRaisesRegex(palpate.InvalidInput, "in micrometres"):
+            rig_in(0.001)
+        with self.assertWarnsRegex(UserWarning, "223.9 mm if the number is in inches"):
+            rig_in(25.4)
 
     def test_wrong_settings_are_refused(self):
         with self.assertRaisesRegex(palpate.InvalidInput, "window_periods"):

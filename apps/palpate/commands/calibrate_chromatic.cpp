@@ -94,7 +94,7 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
   inputs.insert(inputs.end(), call.images.begin(), call.images.end());
   inputs.insert(inputs.end(), call.ranges.begin(), call.ranges.end());
   check_outputs(inputs, {call.output});
-  sensing::Rig rig = sensing::read_rig(call.rig);
+  sensing::Rig rig = load_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::check_pattern_fits(sensing::without_stripes(pattern), rig.projector,
                               call.pattern.string());

@@ -34,7 +34,7 @@ nlohmann::ordered_json rows_of(const Eigen::Matrix3d& matrix) {
 void calibrate_crosstalk(const Settings& settings, const CrosstalkCall& call) {
   check_outputs({call.off, call.red, call.green, call.blue, call.rig, call.response},
                 {call.output});
-  sensing::Rig rig = sensing::read_rig(call.rig);
+  sensing::Rig rig = load_rig(call.rig);
   sensing::CrosstalkImages images{sensing::read_frame(call.off), sensing::read_frame(call.red),
                                   sensing::read_frame(call.green), sensing::read_frame(call.blue)};
   if (!call.response.empty()) {

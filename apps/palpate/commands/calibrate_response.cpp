@@ -105,7 +105,7 @@ sensing::HarmonicCheck report_harmonics(const ResponseCall& call, const cv::Mat&
       in_prose(check.second), in_prose(check.third), check.phase_wave);
   if (call.distance > 0) {
     const double depth_wave =
-        check.phase_wave * sensing::depth_per_radian(sensing::read_rig(call.rig),
+        check.phase_wave * sensing::depth_per_radian(load_rig(call.rig),
                                                      sensing::read_pattern(call.pattern),
                                                      call.distance);
     item["depth_wave"] = depth_wave;

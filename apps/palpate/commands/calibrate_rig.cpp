@@ -174,7 +174,9 @@ void calibrate_rig(const Settings& settings, const RigCall& call) {
                               [&](int done, int total) { progress.show(done, total); });
   const sensing::RigCalibration calibration =
       sensing::calibrate_rig(files.views, files.camera, call.projector, call.options);
-  doubt_unit(call.output, calibration.rig);
+  tell_doubts(
+      fmt::format("{}, with squares of {:.6g} mm", call.output.string(), call.board.printed.square),
+      sensing::rig_doubts(calibration.rig));
   sensing::write_rig(call.output, calibration.rig);
   if (!call.picture.empty()) draw_picture(call.picture, calibration);
   report(settings, call, calibration);

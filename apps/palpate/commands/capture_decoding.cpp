@@ -17,6 +17,7 @@
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
 #include "shared/fingerprint.h"
+#include "shared/inputs.h"
 
 namespace palpate::apps {
 namespace {
@@ -48,7 +49,7 @@ nlohmann::ordered_json live_settings(const LiveDecodeCall& call,
 
 LiveDecoding::LiveDecoding(const LiveDecodeCall& call, const sensing::CameraState& camera)
     : call_(call), bayer_(camera.bayer), bits_(camera.bits) {
-  const sensing::Rig rig = sensing::read_rig(call_.rig);
+  const sensing::Rig rig = load_rig(call_.rig);
   if (rig.camera.width != camera.size.width || rig.camera.height != camera.size.height) {
     throw InvalidInput(fmt::format(
         "{}: the rig's camera has {} x {} px; {} sends {} x {} px. Set --size, or calibrate the "

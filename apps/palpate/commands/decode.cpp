@@ -279,8 +279,7 @@ void decode(const Settings& settings, DecodeCall call) {
   }
   sensing::FrameSource source = open_frames(call.frames, call.bayer, call.bits, call.output);
   if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
-  const sensing::Rig rig = sensing::read_rig(call.rig);
-  doubt_unit(call.rig, rig);
+  const sensing::Rig rig = load_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
   if (call.multishot) return decode_scenes(settings, call, source, rig, pattern);

@@ -51,6 +51,9 @@ void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
   map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
 }
 
+/// Of noisy or wrong depths, less than this share of the pixels is part of a surface.
+constexpr double kLeastMeshed = 0.5;
+
 /// How MeshLab names the pictures of a texture in PLY files.
 constexpr const char* kTextureComment = "TextureFile ";
 
@@ -98,6 +101,14 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   made.prose = fmt::format("{} pixels with a depth\n", known);
   if (made.mesh.triangles.cols() == 0)
     throw InvalidInput(input.string() + ": no two neighbouring pixels have a depth.");
+  if (made.mesh.vertices.cols() < kLeastMeshed * static_cast<double>(known)) {
+    tell_doubts(
+        input.string(),
+        {{.subject = "mesh",
+          .message = fmt::format("only {} of {} pixels with a depth are part of a surface; do "
+                                 "camera and unit belong to these depths?",
+                                 made.mesh.vertices.cols(), known)}});
+  }
   return made;
 }
 

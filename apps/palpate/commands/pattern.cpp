@@ -223,8 +223,7 @@ void make_pattern(const Settings& settings, PatternCall call) {
   call.design.amplitude = call.amplitude.value_or(call.design.amplitude);
   Drawer draw{.rig = {}, .width = call.size[0], .height = call.size[1], .options = call.drawing};
   if (!call.rig.empty()) {
-    draw.rig = sensing::read_rig(call.rig);
-    doubt_unit(call.rig, *draw.rig);
+    draw.rig = load_rig(call.rig);
     draw.width = draw.rig->projector.width;
     draw.height = draw.rig->projector.height;
   }

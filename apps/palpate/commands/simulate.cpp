@@ -157,8 +157,8 @@ std::vector<fs::path> check_places(const SimulateCall& call) {
 
 Setup read_setup(const SimulateCall& call) {
   Setup setup;
-  setup.rig = sensing::read_rig(call.rig);
-  setup.decoder_rig = call.decoder_rig.empty() ? setup.rig : sensing::read_rig(call.decoder_rig);
+  setup.rig = load_rig(call.rig);
+  setup.decoder_rig = call.decoder_rig.empty() ? setup.rig : load_rig(call.decoder_rig);
   setup.pattern = sensing::read_pattern(call.pattern);
   if (call.report && setup.pattern.multishot) {
     throw InvalidInput("--report: works for patterns of single images, and " +

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <mutex>
+#include <set>
 #include <string>
 #include <system_error>
 
@@ -17,6 +19,7 @@
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
+#include "palpate/sensing/rig_doubts.h"
 #include "shared/call_checks.h"
 #include "shared/result_folder.h"
 
@@ -117,6 +120,20 @@ geometry::Camera camera_of(const fs::path& depth_image, const MapCamera& camera)
           .fy = camera.intrinsics[1],
           .cx = camera.intrinsics[2],
           .cy = camera.intrinsics[3]};
+}
+
+geometry::RangeMap read_range_map(const fs::path& path, const MapCamera& camera) {
+  const fs::path of_map = rig_of(path, camera.rig);
+  geometry::RangeMap map{.z = geometry::read_depth_tiff(path),
+                         .camera = sensing::read_camera(of_map)};
+  if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
+    throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
+                       std::to_string(map.z.rows()) + " pixels, but the camera of " +
+                       of_map.string() + " has " + std::to_string(map.camera.width) + " x " +
+                       std::to_string(map.camera.height) +
+                       ". Pass the rig that this range map was made with.");
+  }
+  return map;
 }
 
 }  // namespace
@@ -223,29 +240,28 @@ void check_camera_options(const fs::path& path, const MapCamera& camera) {
 geometry::RangeMap load_range_map(const fs::path& path, const MapCamera& camera) {
   check_is_depths(path);
   check_camera_options(path, camera);
-  if (!is_range_map(path))
-    return sensing::read_depth_image(path, *camera.scale, camera_of(path, camera));
-  const fs::path of_map = rig_of(path, camera.rig);
-  geometry::RangeMap map{.z = geometry::read_depth_tiff(path),
-                         .camera = sensing::read_camera(of_map)};
-  if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
-    throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
-                       std::to_string(map.z.rows()) + " pixels, but the camera of " +
-                       of_map.string() + " has " + std::to_string(map.camera.width) + " x " +
-                       std::to_string(map.camera.height) +
-                       ". Pass the rig that this range map was made with.");
-  }
+  geometry::RangeMap map =
+      is_range_map(path) ? read_range_map(path, camera)
+                         : sensing::read_depth_image(path, *camera.scale, camera_of(path, camera));
+  tell_doubts(path.string(), sensing::range_map_doubts(map));
   return map;
 }
 
-void doubt_unit(const fs::path& path, const sensing::Rig& rig) {
-  constexpr double kLeastBaseline = 2;  // [mm] less than two lenses leave; 2 m if it is metres
-  const double baseline = rig.T_projector_camera.translation().norm();
-  if (baseline >= kLeastBaseline) return;
-  spdlog::warn(
-      "{}: the projector is only {:.3g} mm from the camera (t), as if the rig were in metres. If "
-      "so, multiply t by 1000: lengths are in mm, and depths get the unit of t",
-      path.string(), baseline);
+sensing::Rig load_rig(const fs::path& path) {
+  sensing::Rig rig = sensing::read_rig(path);
+  tell_doubts(path.string(), sensing::rig_doubts(rig));
+  return rig;
+}
+
+void tell_doubts(const std::string& source, const std::vector<sensing::Doubt>& doubts) {
+  if (const std::string why = sensing::impossible_parts(doubts); !why.empty())
+    throw InvalidInput(source + ": " + why + ".");
+  static std::mutex mutex;  // frames of a sequence are read at the same time
+  static std::set<std::string> told;
+  const std::scoped_lock lock(mutex);
+  for (const sensing::Doubt& doubt : doubts) {
+    if (told.insert(doubt.subject).second) spdlog::warn("{}: {}.", source, doubt.message);
+  }
 }
 
 bool is_folder(const fs::path& path) {

@@ -12,6 +12,7 @@
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/sensing/rig.h"
+#include "palpate/sensing/rig_doubts.h"
 
 namespace palpate::apps {
 
@@ -39,9 +40,10 @@ void add_camera_options(CLI::App& command, MapCamera& camera);
 /// \throws InvalidInput.
 void check_camera_options(const std::filesystem::path& path, const MapCamera& camera);
 
-/// Reads a range map or a depth image.
+/// Reads a range map or a depth image, and tells what is unlikely about its camera and depths.
 /// \throws FileError if it or its rig is missing or damaged.
-/// \throws InvalidInput if the options do not suit it, or if its size is not the camera's.
+/// \throws InvalidInput if the options do not suit it, if its size is not the camera's, or if there
+/// cannot be such a camera or such depths.
 [[nodiscard]] geometry::RangeMap load_range_map(const std::filesystem::path& path,
                                                 const MapCamera& camera);
 
@@ -50,8 +52,15 @@ void check_camera_options(const std::filesystem::path& path, const MapCamera& ca
 /// missing.
 [[nodiscard]] std::filesystem::path noise_beside(const std::filesystem::path& range_map);
 
-/// Warns if camera and projector are so close to each other that the rig seems to be in metres.
-void doubt_unit(const std::filesystem::path& path, const sensing::Rig& rig);
+/// Reads a rig, and tells what is unlikely about it.
+/// \throws FileError as `sensing::read_rig` does.
+/// \throws InvalidInput if there cannot be such a rig.
+[[nodiscard]] sensing::Rig load_rig(const std::filesystem::path& path);
+
+/// Warns of what is unlikely, once in a run of the program for each subject.
+/// \param source what the figures belong to, for messages.
+/// \throws InvalidInput if something is impossible.
+void tell_doubts(const std::string& source, const std::vector<sensing::Doubt>& doubts);
 
 /// Whether `path` is a folder.
 /// \throws FileError if it does not exist or is not accessible.

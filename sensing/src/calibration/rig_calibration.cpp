@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -13,6 +14,7 @@
 
 #include "calibration/rig_advice.h"
 #include "calibration/rig_fit.h"
+#include "calibration/rig_move.h"
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/require.h"
@@ -167,6 +169,22 @@ void require_views(std::size_t count, const std::vector<RejectedView>& rejected)
       count, kLeastViews, why.empty() ? "" : " Rejected:", why));
 }
 
+/// \throws SolverError if the rig moved while the views were taken.
+void require_rigid(const RigFit& fit, const std::vector<RigView>& views,
+                   const std::function<RigFit(const std::vector<RigView>&)>& fit_again) {
+  const double together = projector_rms(fit);
+  if (together <= kHarmlessRms) return;
+  const std::optional<RigMove> move = find_move(fit, views, kLeastViews, fit_again);
+  if (!move) return;
+  throw SolverError(fmt::format(
+      "rig calibration: camera and projector moved against each other between {} and {}: the {} "
+      "views before and the {} after fit each alone to {:.2g} px RMS in the projector, together "
+      "only to {:.2g} px. Fasten both and take all views again, or pass only the views of the rig "
+      "as it stands now.",
+      views[move->views_before - 1].name, views[move->views_before].name, move->views_before,
+      views.size() - move->views_before, move->apart_rms, together));
+}
+
 RigCalibration result_of(const RigFit& fit, const std::vector<RigView>& views) {
   RigCalibration result;
   result.rig.camera = fit.bundle.camera;
@@ -212,11 +230,22 @@ RigCalibration calibrate_rig(const std::vector<RigView>& views, const ImageSize&
       rejected.push_back({view.name, reason});
     }
   }
+  const std::vector<RigView> readable = used;
+  const auto fit_again = [&](const std::vector<RigView>& some) {
+    return fit_rig(some, camera, projector, options.distortion_terms);
+  };
   while (true) {
     require_views(used.size(), rejected);
-    const RigFit fit = fit_rig(used, camera, projector, options.distortion_terms);
+    const RigFit fit = fit_again(used);
     const auto outlier = find_outlier(fit, options.max_residual_ratio);
     if (!outlier) {
+      // The smaller group of a rig that moved looks like outliers.
+      const bool many_outliers = readable.size() - used.size() >= kLeastViews;
+      if (many_outliers) {
+        require_rigid(fit_again(readable), readable, fit_again);
+      } else {
+        require_rigid(fit, used, fit_again);
+      }
       require_determined(fit, options);
       RigCalibration result = result_of(fit, used);
       result.rejected = std::move(rejected);

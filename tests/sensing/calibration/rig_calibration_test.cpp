@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "calibration/synthetic_board.h"
 #include "palpate/error.h"
@@ -206,6 +207,36 @@ TEST(CalibrateRig, AnOutlierIsRejectedWithItsReason) {
   EXPECT_NE(result.rejected[0].reason.find("outlier"), std::string::npos);
   EXPECT_EQ(result.views.size(), 8U);
   expect_rig(result.rig, without, 1e-6, 1e-6);
+}
+
+/// Views of which those from `after` on were taken with the projector turned by `degrees`.
+std::vector<RigView> knocked(std::size_t count, std::size_t after, double degrees) {
+  const Rig before = make_board_rig();
+  Rig knocked = before;
+  knocked.T_projector_camera.prerotate(
+      Eigen::AngleAxisd(degrees * std::numbers::pi / 180, Eigen::Vector3d(2, -1, 2).normalized()));
+  const auto poses = board_poses(static_cast<int>(count));
+  std::vector<RigView> views = make_views(before, poses, 0.02, 0.05);
+  const std::vector<RigView> moved = make_views(knocked, poses, 0.02, 0.05);
+  std::copy(moved.begin() + static_cast<std::ptrdiff_t>(after), moved.end(),
+            views.begin() + static_cast<std::ptrdiff_t>(after));
+  return views;
+}
+
+TEST(CalibrateRig, SaysAfterWhichViewTheProjectorWasKnocked) {
+  struct Case {
+    std::size_t views, after;
+    double degrees;
+  };
+  for (const auto& [views, after, degrees] :
+       {Case{12, 6, 0.3}, {12, 6, 0.03}, {12, 3, 0.3}, {12, 9, 2}, {8, 4, 0.1}}) {
+    const std::string message =
+        message_of<SolverError>([&] { (void)calibrate(knocked(views, after, degrees)); });
+    EXPECT_NE(message.find("moved against each other between view " + std::to_string(after - 1) +
+                           " and view " + std::to_string(after) + ":"),
+              std::string::npos)
+        << views << ' ' << after << ' ' << degrees << ": " << message;
+  }
 }
 
 TEST(CalibrateRig, ViewsWithoutEnoughPointsAreRejectedWithTheirReason) {

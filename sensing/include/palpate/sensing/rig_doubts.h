@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/camera.h"
+#include "palpate/geometry/range_map.h"
+#include "palpate/sensing/rig.h"
+
+namespace palpate::sensing {
+
+/// A figure that is valid, but unlikely, or impossible with real lenses: mostly one in another
+/// unit, or of another image.
+struct Doubt {
+  std::string subject;      ///< "camera", "projector", "t" or "depths"
+  std::string message;      ///< in a sentence, with figures and the likely cause
+  bool impossible = false;  ///< nothing useful can come of it
+};
+
+/// Judges whether a lens can show an image at these angles. Unlikely are a corner of the image more
+/// than 65 degrees from the optical axis, or a principal point outside the image and more than 30
+/// degrees from its middle, and a whole image narrower than 0.1 degrees; impossible is a corner
+/// more than 80 degrees away.
+/// \pre the camera is valid.
+[[nodiscard]] std::vector<Doubt> camera_doubts(const geometry::Camera& camera);
+
+/// Judges camera, projector and the distance between them, which is unlikely below 10 mm and above
+/// 5 m, and impossible below 1 mm and above 50 m. The principal point of a projector may be
+/// anywhere.
+/// \pre the rig is valid.
+[[nodiscard]] std::vector<Doubt> rig_doubts(const Rig& rig);
+
+/// Judges a typical depth [mm] of a scene, which is unlikely below 10 mm and above 100 m, and
+/// impossible below 1 mm and above 10 km. NaN gives no doubt.
+[[nodiscard]] std::vector<Doubt> depth_doubts(double depth);
+
+/// Judges the camera of a range map, and the median of its depths.
+[[nodiscard]] std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map);
+
+/// The messages of the impossible ones in one sentence; empty if there are none.
+[[nodiscard]] std::string impossible_parts(const std::vector<Doubt>& doubts);
+
+}  // namespace palpate::sensing
