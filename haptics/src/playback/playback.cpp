@@ -3,6 +3,7 @@
 #include "palpate/haptics/playback.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -65,6 +66,7 @@ struct Playback::Impl {
   [[nodiscard]] bool stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const;
   [[nodiscard]] bool is_still_inside(const Eigen::Vector3d& way, LoopState& state) const;
   [[nodiscard]] Eigen::Vector3d lifted(const TouchPoint& contact) const;
+  [[nodiscard]] double signed_distance(const Eigen::Vector3d& tool, TouchPoint& nearest) const;
   [[nodiscard]] bool is_outside(const Eigen::Vector3d& tool) const;
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const;
   [[nodiscard]] SlidingContact slip(const SlidingContact& start, const Eigen::Vector3d& tool,
@@ -79,8 +81,12 @@ struct Playback::Impl {
                                   SlidingContact& contact) const;
   [[nodiscard]] bool pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::Vector3d& way,
                                       LoopState& state, SlidingContact& contact) const;
-  [[nodiscard]] Command respond(const Eigen::Vector3d& force, double moved, LoopState& state) const;
-  [[nodiscard]] Command let_go(const Eigen::Vector3d& proxy, double moved, LoopState& state) const;
+  [[nodiscard]] double affordable_share(const SlidingContact& contact, const Eigen::Vector3d& way,
+                                        const LoopState& state) const;
+  [[nodiscard]] Command respond(const Eigen::Vector3d& force, const Eigen::Vector3d& way,
+                                LoopState& state) const;
+  [[nodiscard]] Command let_go(const Eigen::Vector3d& proxy, const Eigen::Vector3d& way,
+                               LoopState& state) const;
   [[nodiscard]] Command hold(LoopState& state) const;
 };
 
@@ -163,34 +169,40 @@ bool Playback::Impl::stays(const TouchPoint& contact, const Eigen::Vector3d& too
   return enters(lifted(contact), tool, elsewhere);
 }
 
+// Distance of the tool from the nearest part of the surface, in front of it > 0 and behind it < 0;
+// 0 beyond the border. At an edge or a vertex the sum of the normals, weighted with the angles of
+// their triangles there, tells the side (Baerentzen and Aanaes 2005): in a sharp crease a tool may
+// be behind one of the triangles and in front of another.
+double Playback::Impl::signed_distance(const Eigen::Vector3d& tool, TouchPoint& nearest) const {
+  const geometry::ClosestPoint closest = field.blended().surface().closest_point(tool);
+  if (closest.at.triangle < 0) return 0;
+  const SurfacePlace place{closest.at.triangle, closest.position};
+  const TouchedTriangles touched = surface.touched(place, kOnEdge * offset);
+  if (touched.on_border) return 0;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (int i = 0; i < touched.count; ++i) {
+    const int t = touched.triangles[static_cast<std::size_t>(i)];
+    if (surface.normal(t).allFinite())
+      normal += surface.angle(t, closest.position, kOnEdge * offset) * surface.normal(t);
+  }
+  nearest = {closest.position, surface.normal(closest.at.triangle), closest.at};
+  return std::copysign(closest.distance, (tool - closest.position).dot(normal));
+}
+
 // Whether the tool is behind the nearest part of the surface, not beyond its border, and not too
 // far inside.
 bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const {
-  const geometry::ClosestPoint nearest = field.blended().surface().closest_point(tool);
-  if (nearest.at.triangle < 0 || !(nearest.distance <= options.start_depth)) return false;
-  const TouchedTriangles touched =
-      surface.touched({nearest.at.triangle, nearest.position}, kOnEdge * offset);
-  if (touched.on_border) return false;
-  for (int i = 0; i < touched.count; ++i) {
-    const int t = touched.triangles[static_cast<std::size_t>(i)];
-    if (!((tool - nearest.position).dot(surface.normal(t)) < 0)) return false;
-  }
-  contact = {nearest.position, surface.normal(nearest.at.triangle), nearest.at};
+  TouchPoint nearest;
+  const double distance = signed_distance(tool, nearest);
+  if (!(distance < 0 && -distance <= options.start_depth)) return false;
+  contact = nearest;
   return true;
 }
 
 // Whether the tool is in front of the nearest part of the surface, not beyond its border.
 bool Playback::Impl::is_outside(const Eigen::Vector3d& tool) const {
-  const geometry::ClosestPoint nearest = field.blended().surface().closest_point(tool);
-  if (nearest.at.triangle < 0) return false;
-  const TouchedTriangles touched =
-      surface.touched({nearest.at.triangle, nearest.position}, kOnEdge * offset);
-  if (touched.on_border) return false;
-  for (int i = 0; i < touched.count; ++i) {
-    const int t = touched.triangles[static_cast<std::size_t>(i)];
-    if (!((tool - nearest.position).dot(surface.normal(t)) > 0)) return false;
-  }
-  return true;
+  TouchPoint nearest;
+  return signed_distance(tool, nearest) > 0;
 }
 
 // The contact of a tool that cannot be seen from its contact any more, because the surface is not
@@ -269,28 +281,41 @@ bool Playback::Impl::pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::
   return stays_inside(pulling, tool, way, state, contact);
 }
 
+// How much of its force and energy the object has, so that it never stores more than the user has
+// put in: less than all after a contact had to go where more is stored, as across the bottom of a
+// sharp groove. The share is kept while the contact holds, since work and energy then go together,
+// and grows with the energy that friction takes.
+double Playback::Impl::affordable_share(const SlidingContact& contact, const Eigen::Vector3d& way,
+                                        const LoopState& state) const {
+  if (options.motion != ContactMotion::bracketed) return 1;
+  const double cost = cost_of(contact, way), budget = budget_of(state, way);
+  return cost > 0 && cost > budget ? std::max(0.0, budget / cost) : 1;
+}
+
 // The command with this force on the user, or with as much of its change as a tick may have.
-Command Playback::Impl::respond(const Eigen::Vector3d& force, double moved,
+Command Playback::Impl::respond(const Eigen::Vector3d& force, const Eigen::Vector3d& way,
                                 LoopState& state) const {
   Command command{.force = force, .contact = state.proxy.position, .state = state.contact_state};
   const Eigen::Vector3d change = force - state.force;
-  const double largest = options.largest_jump + field.stiffness_bound() * moved;
+  const double largest = options.largest_jump + field.stiffness_bound() * way.norm();
   if (change.squaredNorm() > largest * largest) {
     command.force = state.force + largest / change.norm() * change;
     command.limited = true;
   }
+  state.work -= (state.force + command.force).dot(way) / 2;
   state.force = command.force;
   return command;
 }
 
 // \param proxy where the way of the free tool begins.
-Command Playback::Impl::let_go(const Eigen::Vector3d& proxy, double moved, LoopState& state) const {
+Command Playback::Impl::let_go(const Eigen::Vector3d& proxy, const Eigen::Vector3d& way,
+                               LoopState& state) const {
   state.contact_state = ContactState::free;
   state.has_place = false;
   state.slip = {};
   state.delayed = {};
   state.proxy.position = proxy;
-  Command command = respond(Eigen::Vector3d::Zero(), moved, state);
+  Command command = respond(Eigen::Vector3d::Zero(), way, state);
   command.contact = state.tool;
   return command;
 }
@@ -318,7 +343,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
     state = {};
     state.playback = self.field.id();
   }
-  double moved = state.has_proxy ? (tool - state.tool).norm() : 0;
+  const double moved = state.has_proxy ? (tool - state.tool).norm() : 0;
   if (!tool.allFinite() || !(moved <= self.options.longest_step)) {
     if (state.has_proxy && ++state.faulty_ticks <= self.options.hold_ticks) return self.hold(state);
     state.contact_state = ContactState::free;
@@ -327,12 +352,10 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
     state.slip = {};
     state.delayed = {};
     if (!tool.allFinite()) return {.held = true};
-    moved = 0;
   }
   state.faulty_ticks = 0;
   Eigen::Vector3d way = tool - state.tool;
   if (!state.has_proxy) way.setZero();
-  const Eigen::Vector3d force_before = state.force;
   state.tool = tool;
 
   bool started_inside = false, touches = false;
@@ -345,9 +368,11 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
     state.has_proxy = true;
     if (touches) state.delayed.of.fill(tool - state.proxy.position);
   }
-  if (!touches) return self.let_go(tool, moved, state);
+  if (!touches) return self.let_go(tool, way, state);
 
-  if (state.contact_state == ContactState::free) state.work = self.options.energy_credit;
+  // A touch begins without a force: until then the object still returns what it has.
+  if (state.contact_state == ContactState::free && state.force.isZero(0))
+    state.work = self.options.energy_credit;
   state.contact_state = ContactState::stick;
   if (!state.has_place) self.field.move_to(state.proxy.at, state.proxy.position, state.place);
   state.has_place = true;
@@ -360,9 +385,9 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   if (contact.parts.excess > self.options.tolerance) {
     const SlidingContact start = contact;
     contact = self.slip(start, tool, way, state);
-    if (!contact.found && self.is_outside(tool)) return self.let_go(tool, moved, state);
+    if (!contact.found && self.is_outside(tool)) return self.let_go(tool, way, state);
     if (contact.off_border && !self.stays_inside(start, tool, way, state, contact))
-      return self.let_go(tool, moved, state);
+      return self.let_go(tool, way, state);
     if (contact.at.position != start.at.position) {
       state.contact_state = ContactState::slip;
       state.proxy = self.touch_point(contact.at, state.proxy.normal);
@@ -372,14 +397,14 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   if (!pushes(contact)) {
     // Start outside the surface, so that a tool that is still behind it may touch again.
     const Eigen::Vector3d outside = self.lifted(state.proxy);
-    if (!self.pushes_elsewhere(tool, way, state, contact))
-      return self.let_go(outside, moved, state);
+    if (!self.pushes_elsewhere(tool, way, state, contact)) return self.let_go(outside, way, state);
     state.contact_state = ContactState::slip;
     state.proxy = self.touch_point(contact.at, state.proxy.normal);
   }
-  Command command = self.respond(-contact.force.force, moved, state);
+  if (started_inside) state.work += contact.force.energy;
+  const double share = self.affordable_share(contact, way, state);
+  Command command = self.respond(-share * contact.force.force, way, state);
   command.started_inside = started_inside;
-  state.work -= (force_before + state.force).dot(way) / 2;
   relax(self.field.rate(), tool - state.proxy.position, seconds, state.delayed);
   return command;
 }

@@ -86,7 +86,7 @@ geometry::SurfacePoint SurfaceWalk::point(const SurfacePlace& place) const noexc
 
 Walk SurfaceWalk::walk(const SurfacePlace& from, const Eigen::Vector3d& plane_normal,
                        const Eigen::Vector3d& direction, double length) const noexcept {
-  Walk result{.at = from};
+  Walk result{.at = from, .direction = direction};
   if (!(length > 0)) return result;
   Eigen::Vector3d here = from.position;
   const Eigen::Vector3d centroid =
@@ -135,6 +135,7 @@ Walk SurfaceWalk::walk(const SurfacePlace& from, const Eigen::Vector3d& plane_no
     }
     if (exit == 3) break;  // only if the plane is not finite
     const double distance = (end - here).norm();
+    if (distance > 0) result.direction = (end - here) / distance;
     if (distance >= left) {
       here += left / distance * (end - here);
       left = 0;
@@ -160,6 +161,14 @@ Walk SurfaceWalk::walk(const SurfacePlace& from, const Eigen::Vector3d& plane_no
   return result;
 }
 
+bool SurfaceWalk::is_on_edge(int triangle, int k, const Eigen::Vector3d& place,
+                             double tolerance) const noexcept {
+  const Eigen::Vector3d& a = corner(triangle, k);
+  const Eigen::Vector3d ab = corner(triangle, k == 2 ? 0 : k + 1) - a, ap = place - a;
+  const double along = std::clamp(ap.dot(ab) / ab.squaredNorm(), 0.0, 1.0);
+  return (ap - along * ab).squaredNorm() <= tolerance * tolerance;
+}
+
 TouchedTriangles SurfaceWalk::touched(const SurfacePlace& place, double tolerance) const noexcept {
   TouchedTriangles found;
   found.triangles[0] = place.triangle;
@@ -167,11 +176,8 @@ TouchedTriangles SurfaceWalk::touched(const SurfacePlace& place, double toleranc
   for (int i = 0; i < found.count; ++i) {
     const int t = found.triangles[static_cast<std::size_t>(i)];
     for (int k = 0; k < 3; ++k) {
+      if (!is_on_edge(t, k, place.position, tolerance)) continue;
       const int next = neighbour(t, k);
-      const Eigen::Vector3d& a = corner(t, k);
-      const Eigen::Vector3d ab = corner(t, k == 2 ? 0 : k + 1) - a, ap = place.position - a;
-      const double along = std::clamp(ap.dot(ab) / ab.squaredNorm(), 0.0, 1.0);
-      if (!((ap - along * ab).squaredNorm() <= tolerance * tolerance)) continue;
       found.on_border = found.on_border || next < 0;
       if (next < 0 || found.count == TouchedTriangles::kMaxCount) continue;
       const auto end = found.triangles.begin() + found.count;
@@ -180,6 +186,18 @@ TouchedTriangles SurfaceWalk::touched(const SurfacePlace& place, double toleranc
     }
   }
   return found;
+}
+
+double SurfaceWalk::angle(int triangle, const Eigen::Vector3d& place,
+                          double tolerance) const noexcept {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (is_on_edge(triangle, k, place, tolerance)) continue;
+    const Eigen::Vector3d a = corner(triangle, k) - place,
+                          b = corner(triangle, k == 2 ? 0 : k + 1) - place;
+    sum += std::atan2(a.cross(b).norm(), a.dot(b));
+  }
+  return sum;
 }
 
 }  // namespace palpate::haptics

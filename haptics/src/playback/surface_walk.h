@@ -28,6 +28,7 @@ struct TouchedTriangles {
 /// The end of a walk.
 struct Walk {
   SurfacePlace at;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of its end
   double length = 0;     ///< [mm] really walked, at most what was asked for
   int border_edge = -1;  ///< corner at which the edge of the border begins that ended it; -1: none
 };
@@ -66,6 +67,11 @@ class SurfaceWalk {
   [[nodiscard]] TouchedTriangles touched(const SurfacePlace& place,
                                          double tolerance) const noexcept;
 
+  /// [rad] of a triangle about a place that it touches: 2 pi inside it, pi on an edge, the angle of
+  /// a corner. \param tolerance [mm] as for `touched`.
+  [[nodiscard]] double angle(int triangle, const Eigen::Vector3d& place,
+                             double tolerance) const noexcept;
+
  private:
   struct alignas(64) Triangle {
     std::array<int, 3> corners;
@@ -76,6 +82,9 @@ class SurfaceWalk {
   std::vector<Triangle> triangles_;
 
   void connect();
+  // Whether a place is this near [mm] to the edge that begins at a corner.
+  [[nodiscard]] bool is_on_edge(int triangle, int corner, const Eigen::Vector3d& place,
+                                double tolerance) const noexcept;
 };
 
 }  // namespace palpate::haptics

@@ -14,8 +14,9 @@
 
 int main(int count, char** arguments) try {
   CLI::App app("Measures what playback's options trade; prints Markdown");
-  const std::vector<std::string> names = {"residual", "missed", "tolerance",  "rules",
-                                          "energy",   "falls",  "near-tools", "tool-radius"};
+  const std::vector<std::string> names = {"residual", "missed",     "tolerance",
+                                          "rules",    "energy",     "falls",
+                                          "creases",  "near-tools", "tool-radius"};
   std::vector<std::string> wanted = names;
   app.add_option("TABLES", wanted, "Only these")->check(CLI::IsMember(names));
   int jumps = 400;
@@ -37,6 +38,7 @@ int main(int count, char** arguments) try {
   if (has("rules")) palpate::bench::print_rules(kTicks);
   if (has("energy")) palpate::bench::print_energy(kLoops, jumps);
   if (has("falls")) palpate::bench::print_falls(seconds);
+  if (has("creases")) palpate::bench::print_creases(kLoops, jumps, seconds);
   if (has("near-tools")) palpate::bench::print_near_tools();
   if (has("tool-radius")) palpate::bench::print_tool_radii();
   return 0;

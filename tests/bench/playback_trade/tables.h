@@ -19,6 +19,8 @@ void print_rules(int ticks);
 void print_energy(int loops, int jumps);
 /// Contacts that are lost while the tool is inside: random touching of the hand for a time [s].
 void print_falls(double seconds);
+/// The same, energy, residuals and changes of the force on V grooves.
+void print_creases(int loops, int jumps, double seconds);
 /// The force on one of two tools against that on a tool alone, by their distance.
 void print_near_tools();
 /// The force on a ball against that on the probe's ball, by their radii.

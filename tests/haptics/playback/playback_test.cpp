@@ -21,6 +21,7 @@
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "playback_hand.h"
 #include "sheet_model.h"
 
 namespace palpate::haptics {
@@ -190,37 +191,6 @@ TEST(Playback, ForcesAreFiniteHoweverFarTheToolGoes) {
     EXPECT_TRUE(command.contact.allFinite());
   }
 }
-
-// Moves a tool on a straight line, in steps of at most `step` [mm].
-struct Hand {
-  const Playback& playback;
-  Eigen::Vector3d tool;
-  LoopState state;
-  Command last;
-  double work = 0;            // [N mm] by the object on the user
-  double largest_change = 0;  // [N] of the force in a tick
-  int free = 0, slips = 0;    // ticks
-
-  Hand(const Playback& loop, const Eigen::Vector3d& start) : playback(loop), tool(start) {
-    last = playback.step(start, state);
-  }
-  void step(const Eigen::Vector3d& to) {
-    const Command now = playback.step(to, state);
-    work += (now.force + last.force).dot(to - tool) / 2;
-    largest_change = std::max(largest_change, (now.force - last.force).norm());
-    free += now.state == ContactState::free;
-    slips += now.state == ContactState::slip;
-    tool = to;
-    last = now;
-  }
-  void go(const Eigen::Vector3d& to, double step_length) {
-    const Eigen::Vector3d from = tool;
-    const int steps = static_cast<int>(std::ceil((to - from).norm() / step_length));
-    for (int i = 1; i <= steps; ++i) step(from + (to - from) * i / steps);
-  }
-};
-
-constexpr double kTick = 0.03;  // [mm] in a tick: 30 mm/s
 
 TEST(PlaybackOnCreases, DoesNotFallThroughConcaveOnes) {
   for (const double slope : {0.3, 1.05, 2.0, 4.0, 7.0, 10.0}) {

@@ -48,7 +48,9 @@ struct PlaybackOptions {
   /// [N] > 0. A contact holds while |f_T| - mu f_N is at most this, and a slip ends there.
   double tolerance = 2e-4;
   /// [N mm] >= 0, only with `bracketed`: from touch to release the object does at most this much
-  /// work on the user. A slip that would take more ends early, beyond the friction cone. Eq 5.17
+  /// work on the user. A slip that would take more ends early, beyond the friction cone. If the
+  /// contact must go to where more is stored, as across the bottom of a sharp groove, the object
+  /// has only the share of its force and energy that the user has put in. Eq 5.17
   /// alone returns up to 12 N mm on a fitted sheet where mu <= 0.2, and nothing from 0.5 on;
   /// infinity keeps to it. See docs/trade-playback.md.
   double energy_credit = 0.04;
@@ -78,7 +80,7 @@ struct LoopState {
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();   ///< [mm] the last usable position
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] the last command
   int faulty_ticks = 0;                             ///< in a row until now
-  double work = 0;               ///< [N mm] by the user since the touch, with the credit
+  double work = 0;               ///< [N mm] by the user since the force was 0, with the credit
   SlipMemory slip;               ///< of the last slip of this touch
   std::uint64_t playback = 0;    ///< whose state this is
   DelayedDisplacements delayed;  ///< of the contact; with a rate only
