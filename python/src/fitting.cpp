@@ -239,7 +239,7 @@ void add_fit(py::module_& module) {
         return work.run([&] { return fit(acquisition, surface, options); });
       },
       arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("passive") = "convex",
-      arg("blend") = "compliances", arg("triangulation") = "delaunay", arg("accuracy") = 0.0,
+      arg("blend") = "auto", arg("triangulation") = "delaunay", arg("accuracy") = 0.0,
       arg("max_bases") = py::none(), arg("max_distance") = haptics::BuildOptions{}.max_distance,
       arg("max_left_out") = py::none(), arg("estimate_offsets") = true, arg("rate") = false,
       arg("progress") = py::none(),
@@ -248,7 +248,8 @@ void add_fit(py::module_& module) {
 surface: None: one is made of the contacts, flat between them.
 passive: how a field is made passive: 'convex', everywhere; 'certified', proven within the reach of
     the measurements; 'local', near zero only.
-blend: what contacts give to places between them: 'compliances', 'forces' or 'auto'.
+blend: what contacts give to places between them: 'compliances', 'forces', or 'auto', the one that
+    predicts contacts better from those around them.
 triangulation: of contacts: 'delaunay' or 'voronoi_dual'.
 accuracy: [N] stop fitting a contact at this rms; 0: as accurate as the noise allows.
 max_bases: largest number of bases of a field; None: no other limit than the method's.

@@ -40,7 +40,7 @@ using Json = nlohmann::ordered_json;
 struct FitCall {
   fs::path acquisition, surface, output, pictures, shapes;
   haptics::FitOptions fit;
-  std::optional<haptics::BlendRule> blend_rule = haptics::BlendRule::compliances;
+  std::optional<haptics::BlendRule> blend_rule = haptics::BuildOptions{}.blend_rule;
   geometry::ContactTriangulationMethod triangulation =
       geometry::ContactTriangulationMethod::delaunay;
   std::optional<haptics::ModelEncoding> encoding;
@@ -341,8 +341,8 @@ void add_fit(CLI::App& app, const Settings& settings) {
        {"forces", haptics::BlendRule::forces},
        {"auto", std::nullopt}},
       "What contacts give to places between them: compliances, their forces at displacements that "
-      "match the compliance of the place (default); forces, their forces at the same displacement "
-      "(thesis 5.3.2); auto, what predicts contacts better from those around them");
+      "match the compliance of the place; forces, their forces at the same displacement (thesis "
+      "5.3.2); auto, what predicts contacts better from those around them (default)");
   command
       ->add_option("--shapes", call->shapes,
                    "Folder of meshes that 'palpate track --reference SURFACE' made of the range "

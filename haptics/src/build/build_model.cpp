@@ -235,9 +235,21 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   return pressed;
 }
 
+// Samples of pressing as the contacts around predict them, which do not know the own touch.
+std::vector<ForceSamples> with_expected_touches(std::vector<ForceSamples> samples,
+                                                const std::vector<double>& heights,
+                                                const PressingEstimate& pressing) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].displacements.row(2).array() +=
+        expected_touch(pressing.offsets, heights[i]) - pressing.curves[i].touch;
+  }
+  return samples;
+}
+
 // The rule whose predictions are better; `forces` needs no compliances.
 void choose_rule(const std::vector<ForceSamples>& samples, BuildResult& result) {
-  result.rule_errors = left_out_errors_of_rules(result.model, samples);
+  result.rule_errors = left_out_errors_of_rules(
+      result.model, samples, result.pressing ? Compared::along_pressing : Compared::whole_forces);
   if (!result.rule_errors || result.rule_errors->compliances <= result.rule_errors->forces) return;
   result.model.interpolation = {};
   for (ContactModel& contact : result.model.contacts) contact.compliance.reset();
@@ -300,10 +312,17 @@ double explained_share(const std::vector<ContactReport>& contacts) {
   return force > 0 ? std::max(0.0, 1 - error / force) : 0;
 }
 
-BuildResult build_model(const probing::CheckedAcquisition& acquisition,
-                        const geometry::TriangleMesh& surface, const BuildOptions& options) {
-  check_options(options);
+namespace {
+
+struct Built {
   BuildResult result;
+  double left_out = 0;  // [N] error of left-out contacts, if all were only pressed
+};
+
+Built build_with(const probing::CheckedAcquisition& acquisition,
+                 const geometry::TriangleMesh& surface, const BuildOptions& options) {
+  Built built;
+  BuildResult& result = built.result;
   result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition.records());
   result.model.probe_radius = acquisition.records().probe_radius;
   result.model.made[kTriangulation] = geometry::to_string(options.triangulation);
@@ -351,13 +370,31 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
   std::vector<ForceSamples> samples;  // in the local frames of the contacts
   const double pressed = fit_contacts(acquisition, source, heights, options, samples, result);
   fill_in_friction(result.pressing.has_value(), result.model);
+  const std::vector<ForceSamples> predicted =
+      result.pressing ? with_expected_touches(samples, heights, *result.pressing) : samples;
   if (options.blend_rule != BlendRule::forces && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
-    if (!options.blend_rule) choose_rule(samples, result);
+    if (!options.blend_rule) choose_rule(predicted, result);
   }
   const MeasurementNoise noise = *result.model.noise;
   result.model = with_uncertainty(std::move(result.model), samples, noise);
-  return result;
+  if (result.pressing) built.left_out = left_out_pressing_error(result.model, predicted);
+  return built;
+}
+
+}  // namespace
+
+BuildResult build_model(const probing::CheckedAcquisition& acquisition,
+                        const geometry::TriangleMesh& surface, const BuildOptions& options) {
+  check_options(options);
+  Built built = build_with(acquisition, surface, options);
+  const auto& pressing = built.result.pressing;
+  if (!pressing || !(pressing->offsets.force_found || pressing->offsets.touch_found))
+    return std::move(built.result);
+  BuildOptions plain = options;
+  plain.estimate_offsets = false;
+  Built without = build_with(acquisition, surface, plain);
+  return std::move((without.left_out < built.left_out ? without : built).result);
 }
 
 }  // namespace palpate::haptics

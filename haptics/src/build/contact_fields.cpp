@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "fit/field_objective.h"
+#include "fit/left_out_pairs.h"
 #include "fit/pressing_field.h"
 #include "fit/unmeasured_directions.h"
 #include "palpate/error.h"
@@ -41,10 +42,15 @@ FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& l
   return fit;
 }
 
+// Between its samples a field errs more than at them. Where samples are few, the estimate of how
+// much more is limited.
+constexpr double kMostGrowth = 4;
+
 // Errors of a fitted field: what noise makes of its parameters, and what noise does not explain.
 ContactUncertainty uncertainty_of(const FitResult& fit, double parameters, double pairs,
                                   const MeasurementNoise& noise) {
-  const double share = std::min(1.0, parameters / (3 * pairs));
+  const double share = std::min(1.0, parameters / (3 * pairs)) *
+                       std::min(expected_growth(parameters, 3 * pairs), kMostGrowth);
   // Chi^2 exceeds 1 by chance, too: beyond two of its standard deviations it shows a misfit.
   const double by_chance = 2 * std::sqrt(2 / (3 * pairs));
   const double misfit = fit.noise_floor * fit.noise_floor *

@@ -103,7 +103,6 @@ LeftOutBlends::LeftOutBlends(const Model& model, BlendRule rule)
 
 std::optional<Blend> LeftOutBlends::at(std::size_t contact) const {
   const bool by_compliance = rule_ == BlendRule::compliances;
-  if (by_compliance && known_[contact] < 0) return std::nullopt;
   const std::vector<int> around = contacts_around(model_, neighbours_, contact);
   if (around.empty()) return std::nullopt;
   const ContactModel& self = model_.contacts[contact];
@@ -137,12 +136,15 @@ std::optional<Blend> LeftOutBlends::at(std::size_t contact) const {
         blend_rotations(std::span(frames).first(count), std::span(weighted.weights).first(count));
     return result;
   }
-  Compliance here = mean;
+  Compliance here = Compliance::Zero();
   if (known > 0) {
     mean /= known;
-    const KrigingPrediction predicted = predict_compliance(
-        kriging_.around[static_cast<std::size_t>(known_[contact])], kriging_.covariance);
-    here = limited(mean, predicted.value - mean);
+    here = mean;
+    if (known_[contact] >= 0) {
+      const KrigingPrediction predicted = predict_compliance(
+          kriging_.around[static_cast<std::size_t>(known_[contact])], kriging_.covariance);
+      here = limited(mean, predicted.value - mean);
+    }
   }
   for (std::size_t k = 0; k < static_cast<std::size_t>(weighted.count); ++k) {
     const ContactModel& corner =

@@ -21,7 +21,7 @@ class LeftOutBlends {
 
   /// The blend at a contact as the others give it: of the corners of their Delaunay triangle around
   /// it, in its tangent plane; at the border, of the nearest edge or contact. Nothing if there are
-  /// no others around it, or nothing is known of its compliance.
+  /// no others around it.
   [[nodiscard]] std::optional<Blend> at(std::size_t contact) const;
 
   /// For each contact, those around it.

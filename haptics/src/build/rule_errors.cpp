@@ -13,7 +13,8 @@ namespace palpate::haptics {
 namespace {
 
 // Squared errors of each contact; NaN where it cannot be predicted.
-std::vector<double> left_out_squares_of(const Model& model, std::span<const ForceSamples> samples) {
+std::vector<double> left_out_squares_of(const Model& model, std::span<const ForceSamples> samples,
+                                        Compared compared) {
   const LeftOutBlends blends(model, model.interpolation.rule);
   const BlendedField field(model);
   std::vector<double> squares(samples.size(), std::numeric_limits<double>::quiet_NaN());
@@ -23,9 +24,10 @@ std::vector<double> left_out_squares_of(const Model& model, std::span<const Forc
     const Eigen::Matrix3d& frame = model.contacts[i].frame;
     double sum = 0;
     for (Eigen::Index j = 0; j < samples[i].forces.cols(); ++j) {
-      sum += (field.force(*at, frame * samples[i].displacements.col(j)) -
-              frame * samples[i].forces.col(j))
-                 .squaredNorm();
+      const Eigen::Vector3d error =
+          frame.transpose() * field.force(*at, frame * samples[i].displacements.col(j)) -
+          samples[i].forces.col(j);
+      sum += compared == Compared::along_pressing ? error.z() * error.z() : error.squaredNorm();
     }
     squares[i] = sum;
   });
@@ -34,12 +36,24 @@ std::vector<double> left_out_squares_of(const Model& model, std::span<const Forc
 
 }  // namespace
 
+double left_out_pressing_error(const Model& model, std::span<const ForceSamples> samples) {
+  const std::vector<double> squares = left_out_squares_of(model, samples, Compared::along_pressing);
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (std::isnan(squares[i])) continue;
+    sum += squares[i];
+    count += static_cast<double>(samples[i].forces.cols());
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
 std::optional<RuleErrors> left_out_errors_of_rules(const Model& model,
-                                                   std::span<const ForceSamples> samples) {
+                                                   std::span<const ForceSamples> samples,
+                                                   Compared compared) {
   Model by_forces = model;
   by_forces.interpolation = {};
-  const std::vector<double> compliances = left_out_squares_of(model, samples),
-                            forces = left_out_squares_of(by_forces, samples);
+  const std::vector<double> compliances = left_out_squares_of(model, samples, compared),
+                            forces = left_out_squares_of(by_forces, samples, compared);
   RuleErrors sums;
   double count = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {

@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 
+#include "identify/held_forces.h"
 #include "identify/parameter_estimation.h"
 #include "identify/strip_energy.h"
 #include "palpate/error.h"
@@ -247,8 +248,9 @@ Prediction predict_half_space(const HalfSpaceModel& model, const probing::Contac
 IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
                                const IdentifyOptions& options) {
   check(options);
-  const std::vector<Pair> pairs = realigned_pairs(acquisition);
+  std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
+  expect_held(acquisition, options, pairs);
   const Base base = base_of(acquisition.contacts());
   ParametricLaw law;
   law.names = {"tension",    "axial stiffness", "low support", "high support", "lateral stiffness",
@@ -278,8 +280,9 @@ IdentifiedHalfSpace identify_half_space(const probing::CheckedAcquisition& acqui
                                         double tool_radius, const IdentifyOptions& options) {
   check(options);
   require("identify_half_space(): tool_radius", tool_radius, above(0).finite(), "mm");
-  const std::vector<Pair> pairs = realigned_pairs(acquisition);
+  std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
+  expect_held(acquisition, options, pairs);
   // No known material is outside these bounds; at nu = -1 the stiffness is infinite.
   constexpr double kLeastModulus = 1e-6;  // of the first guess
   constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.5, kUsualPoisson = 0.3;

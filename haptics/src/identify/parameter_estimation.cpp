@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identify/held_forces.h"
 #include "palpate/error.h"
 
 namespace palpate::haptics {
@@ -216,8 +217,9 @@ bool rests(const std::vector<ParameterEstimate>& estimates, const Eigen::VectorX
 
 }  // namespace
 
-LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
+LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
                      std::span<const probing::Contact> contacts, const IdentifyOptions& options) {
+  const ParametricLaw law = with_held_share(wanted);
   const Problem plain{.law = law, .pairs = {pairs.begin(), pairs.end()}};
   Problem robust = plain;
   robust.huber = kHuberOfPairs;
@@ -259,7 +261,7 @@ LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
         describe(law, found.parameters, normal_equations(robust, weights, found.predictions));
     settled = found.converged && rests(report.parameters, before, found.parameters);
   }
-  result.parameters = found.parameters;
+  result.parameters = found.parameters.head(wanted.scale.size());
   report.displacement_noise = noise.displacement;
   report.force_noise = noise.force;
   const double error = mean_square(pairs, found.predictions);
@@ -271,6 +273,7 @@ LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
       *parameter.standard_error *= std::sqrt(*report.chi2);
     }
   }
+  report.parameters.pop_back();
   if (!noise.known) {
     report.chi2.reset();
     report.verdict = Verdict::not_testable;

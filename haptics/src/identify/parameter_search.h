@@ -13,8 +13,9 @@
 
 namespace palpate::haptics {
 
-/// Largest number of parameters of a law, so that derivatives need no dynamic memory.
-inline constexpr int kMaxParameters = 9;
+/// Largest number of parameters of a law, so that derivatives need no dynamic memory: nine of a
+/// strip, and the share of held errors.
+inline constexpr int kMaxParameters = 10;
 
 /// Displacement that a law predicts for a force, and its derivative.
 struct Prediction {

@@ -90,8 +90,12 @@ Across across_forces(std::span<const PressedContact> contacts, const std::vector
   vector(3) += kPrecision * kHalfSpaceRatio;
   const Eigen::Matrix4d covariance =
       (matrix + kRidge * matrix.trace() * Eigen::Matrix4d::Identity()).inverse();
-  result.ratio = std::max((covariance * vector)(3), 0.0);
-  result.ratio_error = std::sqrt(covariance(3, 3));
+  const double ratio = (covariance * vector)(3);
+  // No object pulls the tool further across: such forces come from elsewhere.
+  if (ratio > 0) {
+    result.ratio = ratio;
+    result.ratio_error = std::sqrt(covariance(3, 3));
+  }
   // What is left for the error of the force once the ratio is integrated out.
   const Eigen::Vector3d mixed = matrix.block<3, 1>(0, 3);
   result.bias.matrix = matrix.topLeftCorner<3, 3>() - mixed * mixed.transpose() / matrix(3, 3);

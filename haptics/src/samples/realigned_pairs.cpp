@@ -54,8 +54,12 @@ std::vector<Pair> realigned_pairs(const probing::CheckedAcquisition& acquisition
       const Scatter scatter =
           scatter_of(positions, contact.position + realigned.displacements.col(column));
       for (Eigen::Index i = 0; i <= held[group]; ++i, ++column) {
-        pairs.push_back({c, settled, std::max(scatter.repeats, 1), scatter.variance,
-                         realigned.displacements.col(column), realigned.forces.col(column)});
+        pairs.push_back({.contact = c,
+                         .settled = settled,
+                         .repeats = std::max(scatter.repeats, 1),
+                         .scatter = scatter.variance,
+                         .displacement = realigned.displacements.col(column),
+                         .force = realigned.forces.col(column)});
       }
     }
   }

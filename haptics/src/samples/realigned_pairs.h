@@ -19,6 +19,8 @@ struct Pair {
   double scatter = 0;
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< [mm]
   Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< [N]
+  /// [N] what the force is expected to be off, since the tool held (`expect_held`)
+  Eigen::Vector3d held_error = Eigen::Vector3d::Zero();
 };
 
 /// The realigned pairs of all contacts.

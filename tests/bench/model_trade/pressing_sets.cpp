@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pressing_sets.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -16,7 +17,6 @@ constexpr double kMargin = 4;                        // [mm] of the surface arou
 constexpr int kVertices = 61;                        // along a side of the surface
 constexpr int kQueries = 400;
 constexpr double kPositionNoise = 0.005;  // [mm]
-constexpr double kDragged = 0.25;         // of the force across when pressing at an angle
 constexpr double kPeriod = 0.35;          // [s] between records
 
 double height(double x, double y) {
@@ -32,12 +32,35 @@ Vector3d outwards(double x, double y) {
 
 Vector3d place(double x, double y) { return {x, y, height(x, y)}; }
 
-double force_of(const PressingKind& kind, double x, double y, double depth) {
+class Waves {
+ public:
+  Waves(const PressingKind& kind, unsigned seed) : kind_(kind) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+    for (Eigen::Vector2d& wave : waves_) wave = {angle(random), angle(random)};
+  }
+  [[nodiscard]] double at(double x, double y) const {
+    double sum = 0;
+    for (const Eigen::Vector2d& wave : waves_) {
+      const double along = std::cos(wave.x()) * x + std::sin(wave.x()) * y;
+      sum += std::cos(2 * std::numbers::pi * along / kind_.wavelength + wave.y());
+    }
+    return kind_.waves * std::sqrt(2.0 / kWaves) * sum;
+  }
+
+ private:
+  static constexpr int kWaves = 8;
+  const PressingKind& kind_;
+  std::array<Eigen::Vector2d, kWaves> waves_;  // direction and phase
+};
+
+double force_of(const PressingKind& kind, const Waves& waves, double x, double y, double depth) {
   if (!(depth > 0)) return 0;
   const double square = std::pow(x - kInclusionX, 2) + std::pow(y - kInclusionY, 2);
   const double stiffness =
       kind.stiffness *
-      (1 + (kind.contrast - 1) * std::exp(-square / (2 * kind.width * kind.width)));
+      (1 + (kind.contrast - 1) * std::exp(-square / (2 * kind.width * kind.width))) *
+      std::exp(waves.at(x, y));
   return stiffness * (depth + depth * depth / kind.hardening);
 }
 
@@ -111,6 +134,10 @@ std::vector<PressingKind> pressing_kinds() {
   add(phantom, "one depth", [](auto& k) { k.depths = 1, k.step = 2; });
   add(phantom, "no offsets", [](auto& k) { k.bias = k.late = 0; });
   add(phantom, "surface of the places", [](auto& k) { k.known_surface = false; });
+  add(tissue, "patchy tissue", [](auto& k) { k.waves = 0.6, k.wavelength = 20; });
+  add(phantom, "patchy, 10 mm apart, no offsets",
+      [](auto& k) { k.waves = 0.5, k.wavelength = 30, k.pitch = 10, k.bias = k.late = 0; });
+  add(tilted, "tilted, pulled across", [](auto& k) { k.dragged = -0.25; });
   add(phantom, "5000 places", [](auto& k) { k.pitch = 0.85; });
   return kinds;
 }
@@ -128,6 +155,7 @@ PressingSet make_pressing_set(const PressingKind& kind, unsigned seed) {
   };
   const double tilt = uniform(kind.least_tilt, kind.most_tilt) * std::numbers::pi / 180;
   const double azimuth = uniform(0, 2 * std::numbers::pi);
+  const Waves waves(kind, seed);
   const Vector3d bias = kind.bias * Vector3d(0.3, -0.5, 0.8);
   const int side = static_cast<int>(kind.side / kind.pitch + 1e-9) + 1;
   double time = 0;
@@ -146,12 +174,12 @@ PressingSet make_pressing_set(const PressingKind& kind, unsigned seed) {
       set.acquisition.contacts.push_back(
           {.id = id, .position = touches.back(), .normal = rounded_to(out, 1e-4)});
       const auto record = [&](double depth, double share) {
-        const double force = share * force_of(kind, x, y, depth);
+        const double force = share * force_of(kind, waves, x, y, depth);
         probing::Sample sample;
         sample.id = sample.group = static_cast<long long>(set.acquisition.samples.size());
         sample.contact = id;
         Vector3d whole = force * into + bias + noise(kind.noise);
-        if (tilt > 0) whole += kDragged * force * (push - push.dot(into) * into);
+        if (tilt > 0) whole += kind.dragged * force * (push - push.dot(into) * into);
         sample.force = rounded_to(whole, kind.force_digit);
         sample.a = sample.b =
             rounded_to(place(x, y) + depth / push.dot(into) * push + noise(kPositionNoise),
@@ -171,7 +199,7 @@ PressingSet make_pressing_set(const PressingKind& kind, unsigned seed) {
     const double x = uniform(-reach, reach), y = uniform(-reach, reach);
     const double depth = uniform(0.3, std::min(3.4, kind.depths * kind.step));
     const Vector3d into = -outwards(x, y);
-    set.truth.push_back({place(x, y), depth * into, force_of(kind, x, y, depth) * into});
+    set.truth.push_back({place(x, y), depth * into, force_of(kind, waves, x, y, depth) * into});
   }
   return set;
 }

@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "build/synthetic_acquisition.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/evaluate.h"
+#include "strip_acquisition.h"
 
 namespace palpate::haptics {
 namespace {
@@ -52,6 +54,64 @@ TEST(BuildModel, FollowsCollinearPressesAndIsSoftAcross) {
     const double across = kHalfSpaceRatio * true_force(contact.id, 2.1) / 2.1;
     EXPECT_NEAR(stiffness(contact.field, {0, 0, 1})(0, 0), across, 0.05 * across);
   }
+}
+
+// Linear springs [N/mm] at 36 contacts 14 mm apart, recorded with four digits.
+probing::Acquisition pressed_springs(const std::function<double(double)>& stiffness_at) {
+  probing::Acquisition acquisition;
+  for (int i = 0; i < 36; ++i) {
+    const Vector3d place(14 * (i % 6) - 35, 14 * (i / 6) - 35, 700);
+    acquisition.contacts.push_back({i, place, {0, 0, -1}});
+    for (int s = 1; s <= 4; ++s) {
+      probing::Sample sample;
+      sample.id = sample.group = static_cast<long long>(acquisition.samples.size());
+      sample.contact = i;
+      sample.force.z() = std::round(1e4 * stiffness_at(place.x()) * s) / 1e4;
+      sample.a = sample.b = place + Vector3d(0, 0, s);
+      acquisition.samples.push_back(sample);
+    }
+  }
+  return acquisition;
+}
+
+TEST(BuildModel, BlendsWhatPredictsLeftOutPlacesBetter) {
+  const auto rule_of = [](const std::function<double(double)>& stiffness_at) {
+    const BuildResult built = build_model(pressed_springs(stiffness_at), flat_surface());
+    EXPECT_TRUE(built.rule_errors);
+    return built.model.interpolation.rule;
+  };
+  EXPECT_EQ(rule_of([](double x) { return 0.5 + 0.012 * x; }), BlendRule::forces);
+  EXPECT_EQ(rule_of([](double x) { return 1 / (2 + 0.05 * x); }), BlendRule::compliances);
+}
+
+// A sheet that stiffens above a block, pressed along z at five forces and recorded to 0.01 mm and
+// 1 mN. With so few depths its curves look like those of a sensor with an offset.
+probing::Acquisition pressed_sheet() {
+  const testing::Strip sheet{.block = 1.5};
+  const testing::StripProbing probing;
+  probing::Acquisition acquisition;
+  for (const Eigen::Vector2d& at : testing::strip_places(probing)) {
+    const auto id = static_cast<long long>(acquisition.contacts.size());
+    acquisition.contacts.push_back({id, {at.x(), at.y(), 700}, {0, 0, -1}});
+    for (const double force : probing.normal_forces) {
+      const double depth = testing::strip_displacement(sheet, at.x(), at.y(), {0, 0, force}).z();
+      probing::Sample sample;
+      sample.id = sample.group = static_cast<long long>(acquisition.samples.size());
+      sample.contact = id;
+      sample.force.z() = force;
+      sample.a = sample.b =
+          acquisition.contacts.back().position + Vector3d(0, 0, std::round(100 * depth) / 100);
+      acquisition.samples.push_back(sample);
+    }
+  }
+  return acquisition;
+}
+
+TEST(BuildModel, TakesNoOffsetsThatPredictLeftOutPlacesWorse) {
+  const BuildResult built = build_model(pressed_sheet(), flat_surface(75, 30));
+  ASSERT_TRUE(built.pressing);
+  EXPECT_FALSE(built.pressing->offsets.force_found);
+  EXPECT_FALSE(built.pressing->offsets.touch_found);
 }
 
 TEST(BuildModel, LeavesRichAcquisitionsToTheFitOfEachContact) {

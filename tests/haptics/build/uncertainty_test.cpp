@@ -198,6 +198,26 @@ TEST(WithUncertainty, StatesMoreWhereTheObjectChangesFaster) {
             3 * field.deviation(Vector3d(-28, 0, 700), displacement).value());
 }
 
+TEST(WithUncertainty, StatesErrorsWithoutCompliances) {
+  const Waves waves(1, 0.2, 15);
+  Made made = object(waves, 1, kNoise);
+  made.model = with_compliances(made.model, 1);
+  for (ContactModel& contact : made.model.contacts) contact.compliance.reset();
+  const double ratio = ratio_between(with_uncertainty(made.model, made.samples, kNoise), waves, 1);
+  EXPECT_GT(ratio, 0.5);
+  EXPECT_LT(ratio, 1.3);
+}
+
+TEST(WithUncertainty, StatesThatForcesAreUnknownFarFromSingleContacts) {
+  Made made = object(Waves(1, 0.2, 15), 1, kNoise);
+  made.model.triangles.resize(3, 0);
+  made.model.surface_weights = {};
+  made.model.contacts.resize(1);
+  made.samples.resize(1);
+  const Model model = with_uncertainty(made.model, made.samples, kNoise);
+  EXPECT_GT(model.contacts[0].uncertainty.value().between, 0);
+}
+
 TEST(LeftOutErrorsOfRules, PreferTheRuleThatTheObjectFollows) {
   // Compliances that change linearly are interpolated exactly, and stiffness then is not.
   Made made = object(Waves(1, 0, 12), 1, kNoise);

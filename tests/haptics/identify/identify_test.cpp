@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
 
 #include "haptics_testing.h"
 #include "strip_acquisition.h"
@@ -148,6 +151,74 @@ TEST(Identify, FindsTheHalfSpaceFromItsTwoStiffnesses) {
   EXPECT_NEAR(*modulus.value, kModulus, 3 * *modulus.standard_error);
   EXPECT_NEAR(*ratio.value, kPoisson, 3 * *ratio.standard_error);
   EXPECT_LT(*ratio.standard_error, 0.05);
+}
+
+/// A half-space that an arm drags near the friction boundary: forces vary about the commanded ones,
+/// `shared` of the variance in the same way in both positions of a sample, and the tool holds where
+/// the force is inside the cone.
+probing::Acquisition dragged_half_space(double normal, double tangential, double shared,
+                                        unsigned seed) {
+  constexpr double kPositionNoise = 0.02, kForceNoise = 0.01;  // [mm], [N]
+  constexpr double kFriction = 0.7;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> one;
+  const auto noise = [&](double size) {
+    return Eigen::Vector3d(size * one(random), size * one(random), size * one(random));
+  };
+  const Eigen::Vector3d compliance(1 / tangential, 1 / tangential, 1 / normal);
+  probing::Acquisition acquisition;
+  for (int c = 0; c < 12; ++c) {
+    acquisition.contacts.push_back({c, {10.0 * c, 3, 700}, {0, 0, -1}});
+    const Eigen::Vector3d at = acquisition.contacts.back().position;
+    for (int level = 0; level < 6; ++level) {
+      const double pressed = 0.15 * std::pow(1.7, level);
+      for (int k = 0; k < 8; ++k) {
+        // Half a deviation inside of the boundary, and as much outside, in four directions.
+        const double angle = 0.8 * level + std::numbers::pi / 2 * (k / 2);
+        const double drag = kFriction * pressed + (k % 2 == 0 ? -0.5 : 0.5) * kForceNoise;
+        const Eigen::Vector3d force(drag * std::cos(angle), drag * std::sin(angle), pressed);
+        const Eigen::Vector3d steady = noise(kForceNoise * std::sqrt(shared));
+        const Eigen::Vector3d first = steady + noise(kForceNoise * std::sqrt(1 - shared)),
+                              second = steady + noise(kForceNoise * std::sqrt(1 - shared));
+        const Eigen::Vector3d real = force + second;
+        acquisition.samples.push_back(
+            {.id = static_cast<long long>(acquisition.samples.size()),
+             .contact = c,
+             .group = level + 10 * c,
+             .force = force,
+             .a = at + compliance.cwiseProduct(Eigen::Vector3d(0, 0, pressed) + first) +
+                  noise(kPositionNoise),
+             .b = at + compliance.cwiseProduct(real) + noise(kPositionNoise),
+             .slipped = std::hypot(real.x(), real.y()) > kFriction * real.z()});
+      }
+    }
+  }
+  return acquisition;
+}
+
+TEST(Identify, StatesTheErrorsOfAHalfSpaceThatWasDraggedNearSlipping) {
+  constexpr double kRadius = 3, kModulus = 0.083, kPoisson = 0.38;
+  constexpr int kSeeds = 12;
+  const double normal = 2 * kRadius * kModulus / (1 - kPoisson * kPoisson);
+  const double tangential = normal * 2 * (1 - kPoisson) / (2 - kPoisson);
+  for (const double shared : {0.0, 0.5}) {
+    double modulus = 0, ratio = 0;  // squared errors in units of the stated ones
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+      const Identification found =
+          identify_half_space(dragged_half_space(normal, tangential, shared, seed), kRadius).report;
+      EXPECT_EQ(found.verdict, Verdict::describes);
+      const auto square = [&](const char* name, double truth) {
+        const ParameterEstimate& estimate = parameter(found, name);
+        return std::pow((estimate.value.value() - truth) / estimate.standard_error.value(), 2);
+      };
+      modulus += square("Young's modulus", kModulus) / kSeeds;
+      ratio += square("Poisson's ratio", kPoisson) / kSeeds;
+    }
+    EXPECT_LT(std::sqrt(modulus), 1.5) << shared;
+    EXPECT_GT(std::sqrt(modulus), 0.5) << shared;
+    EXPECT_LT(std::sqrt(ratio), 1.5) << shared;
+    EXPECT_GT(std::sqrt(ratio), 0.5) << shared;
+  }
 }
 
 TEST(Identify, NamesWhatTheDataDoNotDetermine) {

@@ -31,6 +31,8 @@ struct Recording {
   double hysteresis = 0;  // > 0: the way back is recorded
   int side = 9, depths = 8;
   unsigned seed = 3;
+  double tilt = 0;        // tangent of the angle of pressing
+  double resistance = 0;  // force across, relative to the force along times the tilt
 };
 
 // A bed that is up to four times as stiff in the middle of a square: k (d + d^2 / kHardening) along
@@ -58,8 +60,10 @@ Pressed pressed(const Recording& recording) {
       const bool back = s >= recording.depths;
       const double depth = 0.4 * (back ? 2 * recording.depths - s : s + 1);
       const double share = back ? 1 - recording.hysteresis : 1;
-      contact.displacements.col(s) = (depth - touch) * contact.direction;
-      contact.forces.col(s) = share * k * (depth + depth * depth / kHardening) * contact.direction +
+      const Vector3d side = recording.tilt * contact.direction.cross(Vector3d::UnitY());
+      contact.displacements.col(s) = (depth - touch) * (contact.direction + side);
+      contact.forces.col(s) = share * k * (depth + depth * depth / kHardening) *
+                                  (contact.direction + recording.resistance * side) +
                               recording.bias +
                               Vector3d(normal(random), normal(random), normal(random));
       if (ways > 1) contact.unloading.push_back(back);
@@ -178,6 +182,19 @@ TEST(EstimatePressing, LearnsFromTheSurfaceHowLateTouchesAre) {
   EXPECT_NEAR(found.offsets.height_slope, 1, 4 * found.offsets.height_slope_error);
   EXPECT_NEAR(found.offsets.touch, 0.2, 0.05);
   EXPECT_LT(found.offsets.touch_spread, 0.03);
+}
+
+TEST(EstimatePressing, FindsTheStiffnessAcrossWhereTheToolWasPressedAtAnAngle) {
+  const auto found = [](double resistance) {
+    return estimate_pressing(pressed({.tilt = 0.3, .resistance = resistance}).contacts);
+  };
+  const PressingEstimate half = found(0.5);
+  EXPECT_NEAR(half.lateral_ratio, 0.5, 4 * half.lateral_ratio_error);
+  EXPECT_LT(half.lateral_ratio_error, 0.1);
+  // No object pulls the tool along: that of a half-space is kept.
+  const PressingEstimate pulled = found(-0.5);
+  EXPECT_EQ(pulled.lateral_ratio, kHalfSpaceRatio);
+  EXPECT_EQ(pulled.lateral_ratio_error, kHalfSpaceRatioError);
 }
 
 TEST(EstimatePressing, FindsHowMuchForceIsMissingOnTheWayBack) {

@@ -42,7 +42,7 @@ struct BuildOptions {
   /// those around them (`RuleErrors`). The reference force of compliances is the lower
   /// quartile over contacts of the largest force along the z axis; if it is not positive, forces
   /// are blended.
-  std::optional<BlendRule> blend_rule = BlendRule::compliances;
+  std::optional<BlendRule> blend_rule = std::nullopt;
   /// How contacts are triangulated. `Model::made` records it under "triangulation".
   geometry::ContactTriangulationMethod triangulation =
       geometry::ContactTriangulationMethod::delaunay;
@@ -50,7 +50,8 @@ struct BuildOptions {
   /// of the others, provided that they gain by it (`LocalGlobalOptions::dense_samples`); >= 12.
   std::optional<int> dense_samples = std::nullopt;
   /// Of an acquisition in which all contacts were only pressed: look for a constant error of the
-  /// force and touches below the surface (`PressingOptions`).
+  /// force and touches below the surface (`PressingOptions`). They are not taken if contacts that
+  /// are left out are predicted better without.
   bool estimate_offsets = true;
   /// Estimate the noise of the forces: of pressing, in place of `fit.noise.force`; otherwise it is
   /// raised if it explains the errors of few contacts, and that of friction with it.

@@ -80,6 +80,10 @@ struct Identification {
 // noise s_d, the force noise s_f and the model's compliance C = dd/df. The mean of each group's
 // positions `a` has an error that moves the whole group; it is subtracted from the other pairs.
 //
+// A tool that holds near the friction boundary shows that its force was inside by chance. What this
+// shifts the force on average follows from the noise and the friction cone of each contact; the
+// share of it that acts on the displacement is estimated with the parameters.
+//
 // The solver is Levenberg-Marquardt with bounds; S is updated until the parameters converge.
 // Standard errors are those of the linearised problem. A parameter is not determined if changing it
 // by its own size, alone or with others, changes the data by less than three deviations. The result
