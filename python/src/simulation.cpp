@@ -166,7 +166,7 @@ Raises InvalidInput if no place may be probed. Ctrl-C is not heard.)");
 haptics::BuildResult bake(const Specimen& specimen, const PlanOptions& plan,
                           const py::object& progress) {
   LongWork work(progress);
-  haptics::BuildOptions options = haptics::exact_samples();
+  haptics::BuildOptions options = haptics::exact_samples(plan.max_force);
   options.progress = [&work](haptics::BuildStage, int, int) { work.go_on(); };
   return work.run([&] {
     const probing::SpecimenTrials trials = probing::try_specimen(

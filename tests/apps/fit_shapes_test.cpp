@@ -26,22 +26,24 @@ using ::testing::HasSubstr;
 /// these, in which the surface follows by exp(-(d / 15 mm)^2).
 class FitShapes : public ::testing::Test {
  protected:
-  void SetUp() override {
-    constexpr int kSide = 21;
+  void SetUp() override { write(4); }
+
+  void write(int cell) const {  // [mm]
+    const int side = 80 / cell + 1;
     geometry::TriangleMesh sheet;
-    sheet.vertices.resize(3, kSide * kSide);
-    for (int i = 0; i < kSide * kSide; ++i)
-      sheet.vertices.col(i) << 4 * (i % kSide) - 40, 4 * (i / kSide) - 40, 700;
-    sheet.triangles.resize(3, 2 * (kSide - 1) * (kSide - 1));
-    for (int y = 0, t = 0; y + 1 < kSide; ++y) {
-      for (int x = 0; x + 1 < kSide; ++x) {
-        const int corner = y * kSide + x;
-        sheet.triangles.col(t++) << corner, corner + kSide, corner + 1;
-        sheet.triangles.col(t++) << corner + 1, corner + kSide, corner + kSide + 1;
+    sheet.vertices.resize(3, side * side);
+    for (int i = 0; i < side * side; ++i)
+      sheet.vertices.col(i) << cell * (i % side) - 40, cell * (i / side) - 40, 700;
+    sheet.triangles.resize(3, 2 * (side - 1) * (side - 1));
+    for (int y = 0, t = 0; y + 1 < side; ++y) {
+      for (int x = 0; x + 1 < side; ++x) {
+        const int corner = y * side + x;
+        sheet.triangles.col(t++) << corner, corner + side, corner + 1;
+        sheet.triangles.col(t++) << corner + 1, corner + side, corner + side + 1;
       }
     }
     geometry::write_mesh(scratch.path() / "sheet.ply", sheet);
-    std::filesystem::create_directory(scratch.path() / "meshes");
+    std::filesystem::create_directories(scratch.path() / "meshes");
     probing::Acquisition acquisition;
     for (long long c = 0; c < 4; ++c) {
       const Eigen::Vector3d place(c % 2 == 0 ? -20 : 20, c < 2 ? -20 : 20, 700);
@@ -86,6 +88,20 @@ TEST_F(FitShapes, WritesHowTheSurfaceFollowsTheTool) {
   EXPECT_EQ(model.response->shape_contacts.size(), 8);
   EXPECT_EQ(model.response->rms, shapes.at("rms"));
   EXPECT_THAT(run_palpate({"info", scratch / "model"}).out, HasSubstr("8 recorded shapes"));
+}
+
+TEST_F(FitShapes, TakesMeshesOfASurfaceWhoseTrianglesAreTooLargeForTheWeights) {
+  std::filesystem::remove(scratch.path() / "a.db");
+  write(20);
+  const CommandResult result = fit();
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json figures = json::parse(result.out);
+  const haptics::Model model = haptics::read_model(scratch.path() / "model");
+  EXPECT_GT(model.surface.vertices.cols(), 25);
+  EXPECT_EQ(figures.at("surface_vertices"), model.surface.vertices.cols());
+  EXPECT_EQ(figures.at("added_vertices"), model.surface.vertices.cols() - 25);
+  ASSERT_TRUE(model.response);
+  EXPECT_LT(model.response->kept_rms, 0.05);
 }
 
 TEST_F(FitShapes, SaysWhatIsWrongWithTheMeshes) {

@@ -117,7 +117,7 @@ probing::SpecimenTrials compute_samples(const probing::Specimen& specimen,
 haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
                            const geometry::TriangleMesh& surface, const BakeCall& call) {
   Progress progress("fitting");
-  haptics::BuildOptions options = haptics::exact_samples();
+  haptics::BuildOptions options = haptics::exact_samples(call.plan.max_force);
   // Friction is found in no time.
   options.progress = [&](haptics::BuildStage stage, int done, int total) {
     if (stage == haptics::BuildStage::fields) progress.show(done, total);
@@ -152,23 +152,23 @@ void report(const Settings& settings, const BakeCall& call, const probing::Speci
                {"median", errors->median},
                {"p90", errors->p90}};
     prose = fmt::format(
-        "\nAgainst {} known forces between contacts: RMS {:.4f} N, median {:.4f} N, 90 % within "
-        "{:.4f} N",
-        errors->count, errors->rms, errors->median, errors->p90);
+        "\nAgainst {} known forces between contacts: RMS {}, median {}, 90 % within {}",
+        errors->count, newtons(errors->rms), newtons(errors->median), newtons(errors->p90));
   }
-  print(settings,
-        {{"contacts", built.model.contacts.size()},
-         {"samples", trials.acquisition.samples.size()},
-         {"equilibria", trials.equilibria},
-         {"failed", failures_of(trials)},
-         {"isolated", built.isolated},
-         {"rms", {{"median", fits.median}, {"p90", fits.p90}, {"max", fits.max}}},
-         {"queries", queries},
-         {"file", call.output.string()}},
-        fmt::format("{} contacts with {} samples, from {} equilibria; RMS of a contact {:.4f} N in "
-                    "the median, at most {:.4f} N{}\nWritten to {}",
-                    built.model.contacts.size(), trials.acquisition.samples.size(),
-                    trials.equilibria, fits.median, fits.max, prose, call.output.string()));
+  print(
+      settings,
+      {{"contacts", built.model.contacts.size()},
+       {"samples", trials.acquisition.samples.size()},
+       {"equilibria", trials.equilibria},
+       {"failed", failures_of(trials)},
+       {"isolated", built.isolated},
+       {"rms", {{"median", fits.median}, {"p90", fits.p90}, {"max", fits.max}}},
+       {"queries", queries},
+       {"file", call.output.string()}},
+      fmt::format("{} contacts with {} samples, from {} equilibria; RMS of a contact {} in the "
+                  "median, at most {}{}\nWritten to {}",
+                  built.model.contacts.size(), trials.acquisition.samples.size(), trials.equilibria,
+                  newtons(fits.median), newtons(fits.max), prose, call.output.string()));
 }
 
 void bake(const Settings& settings, const BakeCall& call) {

@@ -14,6 +14,7 @@
 #include "palpate/pictures/draw_displacements.h"
 #include "palpate/pictures/draw_time_line.h"
 #include "shared/model_pictures.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string force_in_words(std::optional<double> force) {
-  return force ? fmt::format("{:.3f} N", *force) : std::string("unknown");
+  return force ? newtons(*force, 3) : std::string("unknown");
 }
 
 pictures::TrialKind kind_of(probing::TrialOutcome outcome) {

@@ -52,8 +52,9 @@ Json to_json(const std::optional<haptics::StatedErrors>& stated) {
 
 std::string stated_in_words(const std::optional<haptics::StatedErrors>& stated) {
   if (!stated) return "the model states no errors";
-  return fmt::format("stated {:.4f} N, the errors are {:.2f} times as large", stated->rms,
-                     stated->ratio);
+  return fmt::format(
+      "stated {} (RMS); each error divided by the one stated for it: {:.2f} (RMS), 1 is right",
+      newtons(stated->rms), stated->ratio);
 }
 
 Json to_json(const haptics::LeaveOneOut& errors) {
@@ -80,27 +81,27 @@ Json to_json(const haptics::LeaveOneOut& errors) {
 }
 
 std::string to_prose(const haptics::LeaveOneOut& errors) {
-  const auto newtons = [](std::optional<double> value) {
-    return value ? fmt::format("{:.4f} N", *value) : std::string("unknown");
+  const auto if_known = [](std::optional<double> force) {
+    return force ? newtons(*force) : std::string("unknown");
   };
   std::string prose;
   for (const haptics::ContactError& e : errors.per_contact) {
     prose += fmt::format(
-        "  contact {} ({}) predicted from its neighbours: RMS {:.4f} N, expected {}; the "
-        "neighbours "
-        "disagree by {:.4f} N\n",
-        e.contact, e.at_border ? "border" : "inside", e.rms, newtons(e.expected), e.spread);
+        "  contact {} ({}) predicted from its neighbours: RMS {}, expected {}; the neighbours "
+        "disagree by {}\n",
+        e.contact, e.at_border ? "border" : "inside", newtons(e.rms), if_known(e.expected),
+        newtons(e.spread));
   }
   prose += fmt::format(
-      "Each contact predicted without itself: RMS {:.4f} N over {} contacts; inside {}, at the "
-      "border {}\n",
-      errors.rms, errors.per_contact.size(), newtons(errors.interior_rms),
-      newtons(errors.border_rms));
+      "Each contact predicted without itself: RMS {} over {} contacts; inside {}, at the border "
+      "{}\n",
+      newtons(errors.rms), errors.per_contact.size(), if_known(errors.interior_rms),
+      if_known(errors.border_rms));
   prose += fmt::format("  with the noise of the samples: {}\n", stated_in_words(errors.stated));
   if (!errors.suggested.empty()) prose += "Suggested positions for further contacts:\n";
   for (const haptics::SuggestedContact& s : errors.suggested) {
-    prose += fmt::format("  ({:.1f}, {:.1f}, {:.1f}): expected error {:.4f} N\n", s.position.x(),
-                         s.position.y(), s.position.z(), s.expected);
+    prose += fmt::format("  ({:.1f}, {:.1f}, {:.1f}): expected error {}\n", s.position.x(),
+                         s.position.y(), s.position.z(), newtons(s.expected));
   }
   return prose;
 }
@@ -155,9 +156,9 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
                           {"p90", errors.p90},
                           {"stated", to_json(errors.stated)},
                           {"explained", number_or_null(errors.explained)}};
-    prose += fmt::format(
-        "Against {} queries: RMS {:.4f} N, median {:.4f} N, 90 % within {:.4f} N; {}\n",
-        errors.count, errors.rms, errors.median, errors.p90, stated_in_words(errors.stated));
+    prose += fmt::format("Against {} queries: RMS {}, median {}, 90 % within {}; {}\n",
+                         errors.count, newtons(errors.rms), newtons(errors.median),
+                         newtons(errors.p90), stated_in_words(errors.stated));
     tell_odd_queries(errors, call.queries, warnings);
   }
   if (!call.acquisition.empty()) {
@@ -208,9 +209,8 @@ void add_evaluate(CLI::App& app, const Settings& settings) {
       "it is compared with the error that kriging of the neighbours' compliances expects, and with "
       "the disagreement of the neighbours' forces. A contact at the border has neighbours on one "
       "side only. Offsets of contacts that were only pressed were estimated with all of them. "
-      "Stated errors are what the model itself expects (docs/model-file.md): errors should be "
-      "about "
-      "as large.\n"
+      "Stated errors are what the model itself expects at each query or sample "
+      "(docs/model-file.md). Where they are right, errors divided by them have an RMS of 1.\n"
       "Example:\n  palpate evaluate model/ --queries queries.csv --leave-one-out acquisition.db");
   command->callback([call, &settings] { evaluate(settings, *call); });
 }

@@ -221,7 +221,7 @@ void fit(const Settings& settings, FitCall call) {
       call.surface.empty() ? "made of the contacts" : call.surface.filename().string();
   if (built.local_part) built.model.made["local part"] = sharing_in_words(built);
   if (!call.shapes.empty())
-    built.model.response = fit_shapes(built.model, acquisition, call.shapes);
+    built.model.response = fit_shapes(built, surface, acquisition, call.shapes);
   haptics::write_model(call.output, built.model, call.encoding);
   record.remove();
   tell_build(built);
@@ -301,10 +301,10 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command
       ->add_option(
           "--force-noise", call->force_noise,
-          fmt::format("Standard deviation of each component of the measured forces [N], for fields "
-                      "and friction. Default: estimated from the measurements, at least {} unless "
-                      "all contacts were only pressed",
-                      call->fit.noise.force))
+          "Standard deviation of each component of the measured forces [N], for fields and "
+          "friction. Default: estimated from the measurements: what forces that were repeated "
+          "show, "
+          "at least 0.3 % of the largest force, and more if that does not explain the errors")
       ->check(within(at_least(0)));
   command
       ->add_option("--probe-radius", call->probe_radius,

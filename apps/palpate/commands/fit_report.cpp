@@ -139,8 +139,8 @@ void tell_rate(const haptics::BuildResult& built) {
         100 * found.terms[i].share, 100 * found.errors[i].share, found.terms[i].time,
         found.errors[i].time);
   }
-  spdlog::info("with the rate the error is {:.4f} N, without it {:.4f} N (RMS).", found.rms,
-               found.rms_without);
+  spdlog::info("with the rate the error is {}, without it {} (RMS).", newtons(found.rms),
+               newtons(found.rms_without));
 }
 
 Json rate_in_figures(const haptics::RateFit& found) {
@@ -271,10 +271,17 @@ void tell_build(const haptics::BuildResult& built) {
     spdlog::info("the noise of the forces is taken as {:.3g} N.", built.model.noise->force);
   if (built.rule_errors) {
     spdlog::info(
-        "contacts predicted from those around them: RMS {:.4f} N by compliances, {:.4f} N by "
-        "forces; the model blends {}.",
-        built.rule_errors->compliances, built.rule_errors->forces,
+        "contacts predicted from those around them: RMS {} by compliances, {} by forces; "
+        "the model blends {}.",
+        newtons(built.rule_errors->compliances), newtons(built.rule_errors->forces),
         haptics::to_string(built.model.interpolation.rule));
+  }
+  if (built.surface_ends.cols() > 0) {
+    spdlog::info(
+        "the surface is given {} more vertices, {} in all: its edges were longer than two thirds "
+        "of "
+        "the distance between contacts. Its shape stays.",
+        built.surface_ends.cols(), built.model.surface.vertices.cols());
   }
   if (built.surface_flipped)
     spdlog::warn("the surface's triangles were reversed to agree with the contact normals.");
@@ -286,8 +293,8 @@ std::string per_contact_in_words(const haptics::BuildResult& built) {
     const haptics::ContactModel& contact = built.model.contacts[i];
     const haptics::FitResult& found = built.contacts[i].fit;
     prose += fmt::format(
-        "  contact {}: RMS {:.4f} N with {} bases from {} pairs, friction {}; {}; {}{}\n",
-        contact.id, contact.rms, contact.field.bases.size(), contact.samples, friction_of(contact),
+        "  contact {}: RMS {} with {} bases from {} pairs, friction {}; {}; {}{}\n", contact.id,
+        newtons(contact.rms), contact.field.bases.size(), contact.samples, friction_of(contact),
         in_words(found.stop), in_words(found.certificate.passivity),
         contact.shared_local ? ", shares the local part" : "");
   }
@@ -296,10 +303,10 @@ std::string per_contact_in_words(const haptics::BuildResult& built) {
 
 std::string fit_in_words(const haptics::BuildResult& built) {
   const geometry::ErrorStatistics statistics = rms_of(built);
-  return fmt::format("{} in {}; RMS of a contact {:.4f} N in the median, at most {:.4f} N",
+  return fmt::format("{} in {}; RMS of a contact {} in the median, at most {}",
                      counted(built.contacts.size(), "contact"),
-                     counted(built.model.triangles.cols(), "triangle"), statistics.median,
-                     statistics.max);
+                     counted(built.model.triangles.cols(), "triangle"), newtons(statistics.median),
+                     newtons(statistics.max));
 }
 
 Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
@@ -315,6 +322,8 @@ Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
       {"contacts", built.contacts.size()},
       {"triangles", built.model.triangles.cols()},
       {"registration", haptics::to_string(built.registration)},
+      {"surface_vertices", built.model.surface.vertices.cols()},
+      {"added_vertices", built.surface_ends.cols()},
       {"left_out", left_out},
       {"explained", haptics::explained_share(built.contacts)},
       {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/edge_splitting.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/fit_surface_response.h"
 #include "shared/progress.h"
@@ -63,28 +64,29 @@ std::vector<ShapeFile> shape_files(const haptics::Model& model,
   return files;
 }
 
-haptics::RecordedShape read_shape(const ShapeFile& file, const haptics::Model& model) {
-  geometry::TriangleMesh mesh = geometry::read_mesh(file.mesh);
-  if (mesh.vertices.cols() != model.surface.vertices.cols() ||
-      mesh.triangles != model.surface.triangles) {
+haptics::RecordedShape read_shape(const ShapeFile& file, const geometry::TriangleMesh& surface,
+                                  const Eigen::Matrix2Xi& ends) {
+  const geometry::TriangleMesh mesh = geometry::read_mesh(file.mesh);
+  if (mesh.vertices.cols() != surface.vertices.cols() || mesh.triangles != surface.triangles) {
     throw FileError(fmt::format(
-        "{}: has other triangles than the surface of the model ({} vertices, {} there); track the "
-        "range maps with --reference SURFACE",
-        file.mesh.string(), mesh.vertices.cols(), model.surface.vertices.cols()));
+        "{}: has other triangles than SURFACE ({} vertices, {} there); track the range maps with "
+        "--reference SURFACE",
+        file.mesh.string(), mesh.vertices.cols(), surface.vertices.cols()));
   }
-  return {file.contact, file.displacement, std::move(mesh.vertices)};
+  return {file.contact, file.displacement, geometry::with_middles(mesh.vertices, ends)};
 }
 
 }  // namespace
 
-haptics::SurfaceResponse fit_shapes(const haptics::Model& model,
+haptics::SurfaceResponse fit_shapes(const haptics::BuildResult& built,
+                                    const geometry::TriangleMesh& surface,
                                     const probing::CheckedAcquisition& acquisition,
                                     const fs::path& meshes) {
-  const std::vector<ShapeFile> files = shape_files(model, acquisition, meshes);
+  const std::vector<ShapeFile> files = shape_files(built.model, acquisition, meshes);
   Progress bar("reading shapes");
   std::size_t read = 0;
-  return haptics::fit_surface_response(model, files.size(), [&](std::size_t k) {
-    haptics::RecordedShape shape = read_shape(files[k], model);
+  return haptics::fit_surface_response(built.model, files.size(), [&](std::size_t k) {
+    haptics::RecordedShape shape = read_shape(files[k], surface, built.surface_ends);
     bar.show(static_cast<int>(++read), static_cast<int>(kReadings * files.size()));
     return shape;
   });

@@ -50,8 +50,9 @@ void tell_doubts(const haptics::BuildResult& built, Json& warnings) {
     warn(warnings, "poorly_explained",
          fmt::format("the model explains only {:.0f} % of the measured forces (squared): errors "
                      "are {:.0f} % of the forces. Check the groups, signs and units of the "
-                     "measurements",
-                     100 * explained, 100 * std::sqrt(1 - explained)));
+                     "measurements, and the noise of the forces, which is taken as {:.3g} N "
+                     "(--force-noise)",
+                     100 * explained, 100 * std::sqrt(1 - explained), built.model.noise->force));
   }
   int contradictions = 0, trials = 0;
   for (const haptics::ContactReport& contact : built.contacts) {

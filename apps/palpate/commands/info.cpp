@@ -191,13 +191,14 @@ Description describe_model(const fs::path& path) {
   std::string prose = fmt::format(
       "model, {} in {}, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
-      "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
+      "  RMS of a contact's fit: {} in the median, {} at most\n"
       "  friction coefficient: {}\n{}"
       "  measured with a ball of {}\n"
       "  {}: {} bytes, {:.0f} a contact",
       counted(model.contacts.size(), "contact"), counted(model.triangles.cols(), "triangle"),
-      model.surface.vertices.cols(), base_counts.median, base_counts.max, errors.median, errors.max,
-      friction_in_words(friction, without_friction, bounds), laws_in_words(model),
+      model.surface.vertices.cols(), base_counts.median, base_counts.max, newtons(errors.median),
+      newtons(errors.max), friction_in_words(friction, without_friction, bounds),
+      laws_in_words(model),
       model.probe_radius ? fmt::format("{:g} mm radius", *model.probe_radius)
                          : std::string("unknown radius"),
       is_text ? "field.json" : "field.cbor", bytes,

@@ -27,6 +27,7 @@
 #include "shared/play_friction.h"
 #include "shared/played_model.h"
 #include "shared/step_times.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -65,10 +66,10 @@ void warn_of_radius(const PlayCall& call, const std::optional<double>& probe_rad
   const double missing = haptics::missing_force(*probe_radius, *call.tool_radius);
   spdlog::warn(
       "the model was measured with a ball of {:g} mm; on a solid, one of {:g} mm feels {:.0f} % "
-      "{} force (Hertz), here up to {:.3f} N of {:.3f} N; on a thin membrane about the same "
+      "{} force (Hertz), here up to {} of {}; on a thin membrane about the same "
       "(docs/trade-playback.md).",
       *probe_radius, *call.tool_radius, 100 * std::abs(missing), missing > 0 ? "more" : "less",
-      std::abs(missing) * largest_force, largest_force);
+      newtons(std::abs(missing) * largest_force, 3), newtons(largest_force, 3));
 }
 
 void play(const Settings& settings, const PlayCall& call) {
@@ -104,11 +105,11 @@ void play(const Settings& settings, const PlayCall& call) {
            {"p90", times.all.p90},
            {"max", times.all.max},
            {"slip_median", number_or_null(slipping)}}}},
-        fmt::format("{} steps: {} free, {} stick, {} slip; largest force {:.3f} N\n"
+        fmt::format("{} steps: {} free, {} stick, {} slip; largest force {}\n"
                     "A step of the loop takes {:.1f} us (median), 90 % within {:.1f} us, at most "
                     "{:.1f} us; {}.{}",
-                    trace.size(), times.free.count, times.stick.count, times.slip.count, largest,
-                    times.all.median, times.all.p90, times.all.max,
+                    trace.size(), times.free.count, times.stick.count, times.slip.count,
+                    newtons(largest, 3), times.all.median, times.all.p90, times.all.max,
                     slipping ? fmt::format("a slipping step {:.1f} us (median)", *slipping)
                              : "no step slipped",
                     call.record.empty() ? "" : "\nWritten to " + call.record.string()));

@@ -29,6 +29,7 @@
 #include "shared/interrupts.h"
 #include "shared/play_friction.h"
 #include "shared/played_model.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -85,12 +86,12 @@ std::string prose_of(const DeviceCall& call, const haptics::RunReport& report) {
                           report.actions[i]);
   }
   return fmt::format(
-      "{} ticks at {:.0f} Hz: {} free, {} stick, {} slip; largest force {:.3f} N; {} late\n"
+      "{} ticks at {:.0f} Hz: {} free, {} stick, {} slip; largest force {}; {} late\n"
       "A tick takes {:.1f} us (median), {:.1f} us (99.9 %), at most {:.1f} us\n"
       "{}; the user was given {:.3f} N mm in {} of {} touches\n"
       "Safety, in ticks: {}{}{}",
       report.time.ticks, report.time.rate, report.states[0], report.states[1], report.states[2],
-      report.largest_force, report.time.late, report.time.p50, report.time.p999,
+      newtons(report.largest_force, 3), report.time.late, report.time.p50, report.time.p999,
       report.time.largest,
       std::isfinite(report.coupling_stiffness)
           ? fmt::format("Virtual coupling of {:.3g} N/mm", report.coupling_stiffness)

@@ -21,6 +21,7 @@
 #include "palpate/output_file.h"
 #include "shared/inputs.h"
 #include "shared/play_friction.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -112,9 +113,9 @@ void play_scene(const Settings& settings, const fs::path& path, const fs::path& 
                      {"slip", found.ticks[2]},
                      {"largest_force", found.largest_force},
                      {"faded", found.faded}});
-    prose +=
-        fmt::format("\nTool {}: {} free, {} stick, {} slip; largest force {:.3f} N", file.tools[t],
-                    found.ticks[0], found.ticks[1], found.ticks[2], found.largest_force);
+    prose += fmt::format("\nTool {}: {} free, {} stick, {} slip; largest force {}", file.tools[t],
+                         found.ticks[0], found.ticks[1], found.ticks[2],
+                         newtons(found.largest_force, 3));
     touching += found.ticks[1] + found.ticks[2];
     if (found.faded > 0) {
       spdlog::warn(
@@ -131,8 +132,8 @@ void play_scene(const Settings& settings, const fs::path& path, const fs::path& 
     }
     objects.push_back(
         {{"name", file.objects[o]}, {"largest_force", force}, {"largest_torque", torque}});
-    prose += fmt::format("\nObject {}: largest load {:.3f} N, {:.1f} N mm about its origin",
-                         file.objects[o], force, torque);
+    prose += fmt::format("\nObject {}: largest load {}, {:.1f} N mm about its origin",
+                         file.objects[o], newtons(force, 3), torque);
   }
   const ordered_json figures{
       {"steps", trace.tools[0].size()},

@@ -17,6 +17,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -145,9 +146,9 @@ std::string beyond_reach(const probing::CampaignProgress& at,
   }
   if (std::isfinite(at.stated.reachable) && at.stated.reachable > options.until) {
     return fmt::format(
-        "{} N are likely to be below what this plan can reach, about {:.3f} N: noise and the gaps "
+        "{} N are likely to be below what this plan can reach, about {}: noise and the gaps "
         "between contacts remain. Plan more contacts (--spacing)",
-        options.until, at.stated.reachable);
+        options.until, newtons(at.stated.reachable, 3));
   }
   return "";
 }
@@ -193,8 +194,8 @@ std::string campaign_words(const probing::Campaign& campaign,
   }
   if (options.strategy != probing::TrialStrategy::adaptive) return text;
   if (std::isfinite(at.stated.error)) {
-    text += fmt::format("\nstated error {:.3f} N, {:.3f} N at contacts", at.stated.error,
-                        at.stated.at_contacts);
+    text += fmt::format("\nstated error {}, {} at contacts", newtons(at.stated.error, 3),
+                        newtons(at.stated.at_contacts, 3));
   }
   for (const std::string& more : {words_of_stop(at.stop), beyond_reach(at, options)}) {
     if (!more.empty()) text += "\n" + more;

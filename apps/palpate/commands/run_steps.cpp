@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "shared/words.h"
+
 namespace palpate::apps {
 namespace {
 
@@ -20,15 +22,15 @@ std::string figure_of_evaluation(const Json& figures) {
   std::string words;
   for (const auto& [key, what] : {std::pair("queries", "queries"), {"leave_one_out", "left out"}}) {
     if (figures.contains(key))
-      words += fmt::format("{}RMS {:.4f} N ({})", words.empty() ? "" : ", ",
-                           figures.at(key).at("rms").get<double>(), what);
+      words += fmt::format("{}RMS {} ({})", words.empty() ? "" : ", ",
+                           newtons(figures.at(key).at("rms").get<double>()), what);
   }
   return words;
 }
 
 std::string figure_of_play(const Json& figures) {
   if (!figures.contains("largest_force")) return {};  // of a device, or of a scene
-  return fmt::format("largest force {:.3f} N", figures.at("largest_force").get<double>());
+  return "largest force " + newtons(figures.at("largest_force").get<double>(), 3);
 }
 
 const std::vector<ProjectStep>& table() {
@@ -100,8 +102,8 @@ const std::vector<ProjectStep>& table() {
                  {"surface", {{"mesh", "output"}, {"import", "surface-out"}}, {}}},
        .main_figure =
            [](const Json& f) {
-             return fmt::format("{} contacts, RMS {:.4f} N", f.at("contacts").dump(),
-                                f.at("rms").at("median").get<double>());
+             return fmt::format("{} contacts, RMS {}", f.at("contacts").dump(),
+                                newtons(f.at("rms").at("median").get<double>()));
            }},
       {.name = "evaluate",
        .command = {"evaluate"},

@@ -27,6 +27,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -59,9 +60,8 @@ void scale(const Settings& settings, const TransferCall& call) {
   const std::string refitted =
       scaled.refitted == 0
           ? "every field exactly"
-          : fmt::format(
-                "{} fields were refitted, with errors of at most {:.4f} N (RMS at most {:.4f} N)",
-                scaled.refitted, scaled.refit_largest, scaled.refit_rms);
+          : fmt::format("{} fields were refitted, with errors of at most {} (RMS at most {})",
+                        scaled.refitted, newtons(scaled.refit_largest), newtons(scaled.refit_rms));
   print(settings,
         {{"contacts", scaled.model.contacts.size()},
          {"scale", options.factor},

@@ -16,6 +16,7 @@
 #include "palpate/pictures/draw_distances.h"
 #include "palpate/pictures/draw_force_field.h"
 #include "palpate/pictures/draw_forces.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 
@@ -23,9 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string newtons(std::optional<double> force) {
-  return force ? fmt::format("{:.3f} N", *force) : "unknown";
-}
+std::string if_known(std::optional<double> force) { return force ? newtons(*force, 3) : "unknown"; }
 
 }  // namespace
 
@@ -62,8 +61,8 @@ void draw_contact_field(const fs::path& png, const haptics::Model& model,
            },
        .friction_axis = Eigen::Vector3d::UnitZ(),
        .friction_coefficient = fitted.friction},
-      fmt::format("Contact {}: measured and fitted forces, RMS {:.3f} N, friction coefficient {}",
-                  fitted.id, fitted.rms,
+      fmt::format("Contact {}: measured and fitted forces, RMS {}, friction coefficient {}",
+                  fitted.id, newtons(fitted.rms, 3),
                   haptics::has_unknown_friction(fitted) ? "unknown"
                                                         : fmt::format("{:.2f}", fitted.friction)));
 }
@@ -89,8 +88,8 @@ void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
   pictures::draw_distances(
       png, model.surface, of_triangles,
       {.title = "Contacts predicted without themselves",
-       .subtitle = fmt::format("RMS {:.3f} N; inside {}, at the border {}", errors.rms,
-                               newtons(errors.interior_rms), newtons(errors.border_rms)),
+       .subtitle = fmt::format("RMS {}; inside {}, at the border {}", newtons(errors.rms, 3),
+                               if_known(errors.interior_rms), if_known(errors.border_rms)),
        .limit = largest > 0 ? largest : 1,
        .scale = "RMS of the force error (N)",
        .one_sided = true});

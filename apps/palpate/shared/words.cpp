@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/words.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 namespace palpate::apps {
 
 const char* in_words(haptics::FitStop stop) {
@@ -70,6 +74,14 @@ const char* in_words(haptics::Passivity passivity) {
       return "not proven passive";
   }
   return "";
+}
+
+std::string newtons(double force, int decimals) {
+  constexpr int kDigits = 3;
+  // A force below this would show fewer digits.
+  const double least = std::pow(10.0, kDigits - 1 - decimals);
+  return std::abs(force) >= least ? fmt::format("{:.{}f} N", force, decimals)
+                                  : fmt::format("{:.{}g} N", force, kDigits);
 }
 
 std::string with_option_names(std::string message,

@@ -29,6 +29,10 @@ template <std::integral Count>
   return std::to_string(count) + " " + (count == 1 ? one : many.empty() ? one + "s" : many);
 }
 
+/// "0.0344 N"; of a force below 0.01 N three significant digits, "0.000344 N". With other decimal
+/// places, three digits as well below what these show.
+[[nodiscard]] std::string newtons(double force, int decimals = 4);
+
 /// Replaces the library's names of options in a message ("BuildOptions::max_distance") by those of
 /// the command ("--max-distance"), as given by `names`.
 [[nodiscard]] std::string with_option_names(

@@ -11,13 +11,15 @@ probing::ContactPlan plan_bake(const probing::Specimen& specimen, probing::PlanO
   return probing::plan_contacts(specimen.surface(), options);
 }
 
-BuildOptions exact_samples() {
+BuildOptions exact_samples(double max_force) {
   // What the samples of a computed specimen leave open: far less than the noise of an arm.
-  constexpr double kDisplacement = 0.005, kForce = 0.002;  // [mm], [N]
+  constexpr double kDisplacement = 0.005;  // [mm]
+  constexpr double kForce = 1.0 / 1500;    // of the largest one
   BuildOptions options;
-  options.fit.noise = {.displacement = kDisplacement, .force = kForce};
+  options.fit.noise = {.displacement = kDisplacement, .force = kForce * max_force};
+  options.estimate_force_noise = false;
   options.fit.compare_always = true;
-  options.friction.force_noise = kForce;
+  options.friction.force_noise = kForce * max_force;
   options.friction.steady_error = 0;
   return options;
 }

@@ -19,6 +19,7 @@
 #include "build/pressing_rate.h"
 #include "build/pressing_records.h"
 #include "build/rule_errors.h"
+#include "build/surface_refinement.h"
 #include "build/uncertainty.h"
 #include "fit/force_noise.h"
 #include "fit/pressing_field.h"
@@ -32,6 +33,7 @@
 #include "palpate/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/require.h"
+#include "samples/repeated_forces.h"
 
 namespace palpate::haptics {
 namespace {
@@ -158,6 +160,17 @@ void estimate_pressed(const probing::CheckedAcquisition& acquisition,
   store_offsets(result.pressing->offsets, result.model);
 }
 
+// [N] What forces that were repeated show of their noise; 0: nothing.
+double repeated_noise(const probing::CheckedAcquisition& acquisition,
+                      const std::vector<std::size_t>& source, const FitOptions& fit) {
+  std::vector<RepeatedForce> groups;
+  for (const std::size_t i : source) {
+    const auto here = repeated_forces(acquisition.contacts()[i], acquisition.samples_of(i));
+    groups.insert(groups.end(), here.begin(), here.end());
+  }
+  return repeated_force_noise(groups, fit.noise.displacement.value_or(kDisplacementNoise));
+}
+
 // Fits friction and field of every contact and returns their reference force. `source` maps
 // contacts of the model to those of the acquisition.
 double fit_contacts(const probing::CheckedAcquisition& acquisition,
@@ -179,8 +192,11 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   // Estimate the noise from all contacts, as one tool and one tracker measured them.
   FitOptions fit = options.fit;
   if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);
-  if (options.estimate_force_noise && !result.pressing)
-    fit.noise.force = estimated_force_noise(samples, fit);
+  if (options.estimate_force_noise) {
+    fit.noise.force = result.pressing ? result.pressing->force_noise
+                                      : estimated_force_noise(
+                                            samples, repeated_noise(acquisition, source, fit), fit);
+  }
   result.model.noise =
       MeasurementNoise{.force = fit.noise.force,
                        .displacement = fit.noise.displacement.value_or(kDisplacementNoise)};
@@ -190,7 +206,7 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
         .displacement = along_pressing(*result.pressing) * result.pressing->offsets.touch_spread};
   }
   FrictionOptions friction = options.friction;
-  if (fit.noise.force > options.fit.noise.force && fit.noise.force > friction.force_noise) {
+  if (options.estimate_force_noise && fit.noise.force > 0) {
     friction.steady_error *= fit.noise.force / friction.force_noise;
     friction.force_noise = fit.noise.force;
   }
@@ -341,21 +357,20 @@ Built build_with(const probing::CheckedAcquisition& acquisition,
 
   result.model.contacts.resize(contacts.size());
   result.contacts.resize(contacts.size());
-  std::vector<geometry::SurfacePoint> points;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     result.model.contacts[i].id = result.contacts[i].id = contacts[i].id;
     result.model.contacts[i].position = places[i].position;
     result.contacts[i].distance = places[i].distance;
-    points.push_back(places[i].at);
   }
-  // The triangulation follows the orientation of the surface. If that was reversed, two corners of
-  // each triangle were exchanged since the points were found.
-  if (result.surface_flipped) {
-    for (geometry::SurfacePoint& point : points)
-      std::swap(point.barycentric[1], point.barycentric[2]);
+  Eigen::Matrix3Xd inward(3, static_cast<Eigen::Index>(contacts.size()));
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    inward.col(static_cast<Eigen::Index>(i)) =
+        -(result.model.T_surface_acquisition.linear() * contacts[i].normal);
   }
+  RefinedSurface refined = refine_surface(inward, result.model);
+  result.surface_ends = std::move(refined.ends);
   geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
-      result.model.surface, points, {.method = options.triangulation});
+      result.model.surface, refined.places, {.method = options.triangulation});
   result.model.triangles = std::move(triangulation.mesh.triangles);
   result.model.surface_weights = std::move(triangulation.weights);
   for (const int i : triangulation.isolated) {

@@ -114,6 +114,7 @@ void merge_surfaces(std::span<const SideModel> sides, const std::vector<Eigen::I
 void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions& options,
                       MergedModel& merged, std::vector<MergeCandidate>& candidates) {
   const SurfaceQuery query(merged.model.surface);
+  const double size = geometry::bounding_diagonal(merged.model.surface);
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(merged.model.surface);
   for (MergeCandidate& candidate : candidates) {
     const std::string name = side_name(sides, static_cast<std::size_t>(candidate.source.side)) +
@@ -131,7 +132,7 @@ void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions
                          " lies on the inside of the merged surface: two sides are nearer "
                          "to each other there than the surface can be merged. Check the poses");
     }
-    candidate.contact.position = place.position;
+    candidate.contact.position = rounded_position(place.position, size);
     candidate.at = place.at;
     candidate.distance = place.distance;
     merged.largest_distance = std::max(merged.largest_distance, place.distance);

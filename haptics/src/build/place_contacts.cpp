@@ -12,6 +12,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/facing_share.h"
 #include "palpate/geometry/registration.h"
+#include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
 namespace {
@@ -168,8 +169,14 @@ PlacedContacts place_contacts(const std::vector<probing::Contact>& contacts,
                     result);
   std::vector<ClosestPoint> places;
   places.reserve(contacts.size());
-  for (const probing::Contact& contact : contacts)
-    places.push_back(query.closest_point(result.model.T_surface_acquisition * contact.position));
+  const double size = geometry::bounding_diagonal(result.model.surface);
+  for (const probing::Contact& contact : contacts) {
+    const Eigen::Vector3d measured = result.model.T_surface_acquisition * contact.position;
+    ClosestPoint& place = places.emplace_back(query.closest_point(measured));
+    // What is checked is what is stored.
+    place.position = rounded_position(place.position, size);
+    place.distance = (place.position - measured).norm();
+  }
   const std::vector<Facing> facing = orient_surface(facings(places, contacts, result), result);
   PlacedContacts placed;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -136,10 +136,11 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   const bool compliances = model.interpolation.rule == BlendRule::compliances;
   std::optional<double> largest_force;
   if (compliances) largest_force = model.interpolation.reference_force;
+  const double size = geometry::bounding_diagonal(scaled.surface);
   std::vector<TransformedField> fields(scaled.contacts.size());
   parallel_for(scaled.contacts.size(), [&](std::size_t i) {
     ContactModel& contact = scaled.contacts[i];
-    contact.position = moved(contact.position);
+    contact.position = rounded_position(moved(contact.position), size);
     fields[i] = scale_contact(S, options.forces, largest_force, contact);
   });
   for (const TransformedField& field : fields) {

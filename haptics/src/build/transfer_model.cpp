@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "build/made.h"
+#include "build/surface_refinement.h"
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
@@ -69,14 +70,13 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   result.model.T_surface_acquisition.setIdentity();
   result.model.noise.reset();
   result.model.response.reset();  // it moves the vertices of the other surface
-  std::vector<SurfacePoint> places;
+  const double size = geometry::bounding_diagonal(target);
   for (ContactModel& contact : result.model.contacts) {
     const SurfacePoint at = from.closest_point(contact.position).at;
     const Eigen::Vector3i corners = model.surface.triangles.col(at.triangle);
     const geometry::ClosestPoint image =
         to.closest_point(map.positions(Eigen::all, corners) * at.barycentric);
-    contact.position = image.position;
-    places.push_back(image.at);
+    contact.position = rounded_position(image.position, size);
     turn(contact, at, corners, rotations);
     scale_forces(contact, map.scale, options.forces);
     contact.compliance.reset();  // it belonged to the old surface
@@ -84,8 +84,12 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
     contact = rounded(std::move(contact));
     if (map.distorted[at.triangle]) result.distorted.push_back(contact.id);
   }
-  geometry::ContactTriangulation triangulation =
-      geometry::triangulate_contacts(target, places, {.method = triangulation_method(model)});
+  Eigen::Matrix3Xd inward(3, static_cast<Eigen::Index>(model.contacts.size()));
+  for (std::size_t i = 0; i < model.contacts.size(); ++i)
+    inward.col(static_cast<Eigen::Index>(i)) = result.model.contacts[i].frame.col(2);
+  const RefinedSurface refined = refine_surface(inward, result.model);
+  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
+      result.model.surface, refined.places, {.method = triangulation_method(model)});
   result.model.triangles = std::move(triangulation.mesh.triangles);
   result.model.surface_weights = std::move(triangulation.weights);
   for (const int i : triangulation.isolated)

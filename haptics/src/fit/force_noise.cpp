@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fit/force_noise.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -13,10 +14,22 @@
 namespace palpate::haptics {
 namespace {
 
+// Least noise, relative to the largest force of a contact. On sheets whose repeated forces scatter
+// by 0.1 %, fields that assume so little take half as many bases again and predict left-out
+// contacts worse (RMS 0.20 instead of 0.18 N).
+constexpr double kLeastNoise = 0.003;
 // Contacts that are fitted for the estimate.
 constexpr std::size_t kPilots = 5;
-// The estimate is the given noise times 2^(k / kSteps), with k up to kMostSteps: 0.01 N to 0.6 N.
+// The estimate is the least noise times 2^(k / kSteps), with k up to kMostSteps: up to 64 times.
 constexpr int kSteps = 4, kMostSteps = 24;
+
+// The median over contacts of their largest force.
+double typical_force(const std::vector<ForceSamples>& contacts) {
+  std::vector<double> largest;
+  for (const ForceSamples& contact : contacts)
+    largest.push_back(contact.forces.colwise().norm().maxCoeff());
+  return geometry::median(std::move(largest));
+}
 
 double multiple(int k) { return std::exp2(static_cast<double>(k) / kSteps); }
 
@@ -35,25 +48,26 @@ double needed_noise(const ForceSamples& pairs, const FitResult& fit, FitOptions 
 
 }  // namespace
 
-double estimated_force_noise(const std::vector<ForceSamples>& contacts, const FitOptions& options) {
-  const double given = options.noise.force;
+double estimated_force_noise(const std::vector<ForceSamples>& contacts, double repeated,
+                             FitOptions options) {
+  const double least = std::max(repeated, kLeastNoise * typical_force(contacts));
   if (options.mode != FitMode::convex || options.compare_always || options.accuracy > 0 ||
-      options.max_bases || !(given > 0))
-    return given;
+      options.max_bases || !(least > 0))
+    return least;
+  options.noise.force = least;
+  options.try_certified = false;
   std::vector<std::size_t> pilots;
   const std::size_t stride = (contacts.size() + kPilots - 1) / kPilots;
   for (std::size_t i = 0; i < contacts.size(); i += stride) {
     const auto numbers = static_cast<double>(3 * contacts[i].forces.cols());
     if (numbers >= 2 * kBaseSize) pilots.push_back(i);
   }
-  if (pilots.empty()) return given;
-  FitOptions with = options;
-  with.try_certified = false;
+  if (pilots.empty()) return least;
   std::vector<double> needed(pilots.size());
   parallel_for(pilots.size(), [&](std::size_t p) {
     const ForceSamples& pairs = contacts[pilots[p]];
-    const FitResult fit = fit_force_field(pairs.displacements, pairs.forces, with);
-    needed[p] = fit.stop == FitStop::unexplained ? needed_noise(pairs, fit, with) : given;
+    const FitResult fit = fit_force_field(pairs.displacements, pairs.forces, options);
+    needed[p] = fit.stop == FitStop::unexplained ? needed_noise(pairs, fit, options) : least;
   });
   return geometry::median(std::move(needed));
 }

@@ -13,7 +13,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr int kPositionDigits = 9;
+constexpr int kPositionDigits = 9;  // of the size of the object
 constexpr int kFrictionDigits = 6;
 constexpr int kRateDigits = 6;
 constexpr int kReportDigits = 4;  // of errors and other figures that nothing is computed from
@@ -59,7 +59,6 @@ ForceField rounded(ForceField field) {
 }
 
 ContactModel rounded(ContactModel contact) {
-  for (double& entry : contact.position) entry = round_to_digits(entry, kPositionDigits);
   contact.frame = to_frame(rounded(to_quaternion(contact.frame)));
   contact.friction_axis = rounded(to_direction(contact.friction_axis)).normalized();
   contact.field = rounded(std::move(contact.field));
@@ -77,6 +76,13 @@ ContactModel rounded(ContactModel contact) {
       *figure = round_to_digits(*figure, kReportDigits);
   }
   return contact;
+}
+
+Eigen::Vector3d rounded_position(const Eigen::Vector3d& position, double size) {
+  if (!(size > 0)) return position;
+  const int before_point = static_cast<int>(std::floor(std::log10(size))) + 1;
+  const int places = std::max(kPositionDigits - before_point, 0);
+  return position.unaryExpr([&](double entry) { return round_to_places(entry, places); });
 }
 
 std::vector<RateTerm> rounded(std::vector<RateTerm> rate) {

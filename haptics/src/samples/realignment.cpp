@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "samples/repeated_forces.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -114,6 +116,32 @@ double least_sum_of_squares(const Group& group, const Eigen::Vector3d& mean) {
   return sum;
 }
 
+// A group under its normal force, which the tool applied in the direction -normal.
+struct Level {
+  Group group;
+  double force = 0;                              // [N] mean along -normal
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();  // [mm] mean displacement
+};
+
+// Levels whose forces have at most this ratio tell the compliance between them.
+constexpr double kOtherLevel = 0.8;
+
+// How the settled position changes with the normal force at a level [mm/N]: of the parabola through
+// it and the next levels below and above.
+Eigen::Vector3d compliance_at(const Level& level, const std::vector<Level>& ascending) {
+  Level below;  // without a force the tool is at the contact
+  const Level* above = nullptr;
+  for (const Level& other : ascending) {
+    if (other.force > 0 && other.force <= kOtherLevel * level.force) below = other;
+    if (above == nullptr && level.force <= kOtherLevel * other.force) above = &other;
+  }
+  const double down = level.force - below.force;
+  const Eigen::Vector3d secant = (level.at - below.at) / down;
+  if (above == nullptr) return secant;
+  const double up = above->force - level.force;
+  return (up * secant + down * (above->at - level.at) / up) / (down + up);
+}
+
 }  // namespace
 
 bool has_tangential_stage(const probing::Sample& sample) { return sample.a != sample.b; }
@@ -160,6 +188,54 @@ ForceSamples realign(const probing::Contact& contact, std::span<const probing::S
     result.displacement_noise = std::sqrt(sum_of_squares / result.degrees_of_freedom);
   }
   return result;
+}
+
+std::vector<RepeatedForce> repeated_forces(const probing::Contact& contact,
+                                           std::span<const probing::Sample> samples) {
+  const Eigen::Vector3d normal = contact.normal.normalized();
+  std::vector<Level> levels;
+  for (const auto& [id, group] : group_samples(contact.id, samples)) {
+    const Group kept = inliers(group);
+    levels.push_back(
+        {kept, -settled_force(kept, normal).dot(normal), mean_position(kept) - contact.position});
+  }
+  std::ranges::stable_sort(levels, {}, &Level::force);
+  std::vector<RepeatedForce> repeated;
+  for (const Level& level : levels) {
+    if (level.group.size() < 2 || !(level.force > 0)) continue;
+    const Eigen::Vector3d compliance = compliance_at(level, levels);
+    if (compliance.isZero(0)) continue;
+    const Eigen::Vector3d stiffness = compliance / compliance.squaredNorm();
+    double sum = 0;
+    for (const probing::Sample* sample : level.group) {
+      const double recorded = -sample->force.dot(normal) - level.force;
+      const double told = stiffness.dot(sample->a - contact.position - level.at);
+      sum += (recorded - told) * (recorded - told);
+    }
+    const auto freedom = static_cast<int>(level.group.size()) - 1;
+    repeated.push_back({stiffness.norm(), sum / freedom, freedom});
+  }
+  return repeated;
+}
+
+double repeated_force_noise(std::span<const RepeatedForce> groups, double displacement_noise) {
+  constexpr double kShown = 3;  // variances this many times their standard error count
+  constexpr int kRounds = 5;    // after which the weights rest
+  double variance = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    double sum = 0, weights = 0;
+    for (const RepeatedForce& group : groups) {
+      const double position = std::pow(displacement_noise * group.stiffness, 2);
+      const double expected = round == 0 ? group.variance : variance + position;
+      if (!(expected > 0)) continue;
+      const double weight = group.degrees_of_freedom / (expected * expected);
+      sum += weight * (group.variance - position);
+      weights += weight;
+    }
+    variance = sum / weights;
+    if (!(variance > kShown * std::sqrt(2 / weights))) return 0;
+  }
+  return std::sqrt(variance);
 }
 
 }  // namespace palpate::haptics

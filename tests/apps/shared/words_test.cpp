@@ -16,5 +16,15 @@ TEST(Words, CountInSingularAndPlural) {
   EXPECT_EQ(counted(std::size_t{1}, "mesh", "meshes"), "1 mesh");
 }
 
+TEST(Words, ShowThreeDigitsOfAForceAtLeast) {
+  EXPECT_EQ(newtons(0.034449), "0.0344 N");
+  EXPECT_EQ(newtons(12.345678), "12.3457 N");
+  EXPECT_EQ(newtons(0.0034449), "0.00344 N");
+  EXPECT_EQ(newtons(-3.4449e-5), "-3.44e-05 N");
+  EXPECT_EQ(newtons(0), "0 N");
+  EXPECT_EQ(newtons(1.51249, 3), "1.512 N");
+  EXPECT_EQ(newtons(0.0592, 3), "0.0592 N");
+}
+
 }  // namespace
 }  // namespace palpate::apps

@@ -29,7 +29,8 @@ using ::testing::Not;
 // The samples below are exact.
 const BuildOptions kQuick{
     .fit = {.mode = FitMode::local, .accuracy = 0.01, .max_bases = 2, .epsilon = 20},
-    .friction = {.force_noise = 1e-4}};
+    .friction = {.force_noise = 1e-4},
+    .estimate_force_noise = false};
 
 // The undeformed surface of the strip's contacts.
 geometry::TriangleMesh strip_sheet() {
@@ -88,14 +89,39 @@ TEST(BuildModel, TakesTheNoiseThatItFindsForFrictionToo) {
   EXPECT_NEAR(force_noise, 0.08, 0.03);
   BuildOptions told;
   told.fit.noise.force = told.friction.force_noise = force_noise;
-  told.friction.steady_error *= force_noise / FrictionOptions{}.force_noise;
   told.estimate_force_noise = false;
+  told.friction.steady_error *= force_noise / FrictionOptions{}.force_noise;
   const BuildResult expected = build_model(acquisition, flat_surface(), told);
   for (std::size_t i = 0; i < found.contacts.size(); ++i) {
     EXPECT_NEAR(found.contacts[i].friction.coefficient, expected.contacts[i].friction.coefficient,
                 1e-9);
     EXPECT_NEAR(found.contacts[i].friction.lower_bound, expected.contacts[i].friction.lower_bound,
                 1e-9);
+  }
+}
+
+TEST(BuildModel, LearnsSmallForcesAsItDoesLargeOnes) {
+  probing::Acquisition acquisition = flat_acquisition();
+  std::erase_if(acquisition.contacts, [](const auto& contact) { return contact.id > 23; });
+  std::erase_if(acquisition.samples, [](const auto& sample) { return sample.contact > 23; });
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.02);
+  for (probing::Sample& sample : acquisition.samples)
+    sample.force += Eigen::Vector3d(noise(random), noise(random), noise(random));
+  const BuildResult large = build_model(acquisition, flat_surface());
+  constexpr double kFactor = 1e-3;
+  for (probing::Sample& sample : acquisition.samples) sample.force *= kFactor;
+  const BuildResult small = build_model(acquisition, flat_surface());
+  EXPECT_NEAR(small.model.noise->force / (kFactor * large.model.noise->force), 1, 0.01);
+  const Eigen::Vector3d displacement(1, -0.7, 4);
+  for (std::size_t i = 0; i < large.contacts.size(); ++i) {
+    const ContactModel &is = small.model.contacts[i], &was = large.model.contacts[i];
+    const Eigen::Vector3d expected = kFactor * force(was.field, displacement);
+    EXPECT_LT((force(is.field, displacement) - expected).norm(), 1e-3 * expected.norm());
+    EXPECT_EQ(is.friction_source, FrictionSource::samples);
+    EXPECT_NEAR(is.friction, was.friction, 1e-3);
+    EXPECT_NEAR(is.friction_lower_bound, was.friction_lower_bound, 1e-3);
+    EXPECT_EQ(is.fit_stop, was.fit_stop);
   }
 }
 

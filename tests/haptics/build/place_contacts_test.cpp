@@ -82,5 +82,29 @@ TEST(PlaceContacts, KeepsAContactWhereASliverOfTheSurfaceIsFolded) {
   EXPECT_EQ(result.model.contacts.size(), 56u);
 }
 
+TEST(PlaceContacts, KeepsContactsWhereTheyAreOnAnObjectFarFromTheOrigin) {
+  // A power of two, so that the object is the same to the last bit.
+  const Eigen::Vector3d far(0x1p30, -0x1p30, 0x1p31);
+  probing::Acquisition acquisition = pressed_sheet();
+  for (probing::Contact& contact : acquisition.contacts)
+    contact.position += Eigen::Vector3d(0.123456, -0.234567, 0);
+  const BuildResult here = build_model(acquisition, flat_surface());
+  for (probing::Contact& contact : acquisition.contacts) contact.position += far;
+  for (probing::Sample& sample : acquisition.samples) {
+    sample.a += far;
+    sample.b += far;
+  }
+  geometry::TriangleMesh surface = flat_surface();
+  surface.vertices.colwise() += far;
+  const BuildResult there = build_model(acquisition, surface);
+  ASSERT_EQ(there.model.contacts.size(), here.model.contacts.size());
+  for (std::size_t i = 0; i < here.model.contacts.size(); ++i) {
+    const Eigen::Vector3d moved = there.model.contacts[i].position - far;
+    // The ninth digit of the 141 mm of the object.
+    EXPECT_LE((moved - here.model.contacts[i].position).cwiseAbs().maxCoeff(), 1.5e-6);
+    EXPECT_LE(there.contacts[i].distance, 2e-6);
+  }
+}
+
 }  // namespace
 }  // namespace palpate::haptics

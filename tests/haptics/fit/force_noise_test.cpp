@@ -6,6 +6,8 @@
 
 #include <random>
 
+#include "palpate/geometry/median.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -34,22 +36,49 @@ std::vector<ForceSamples> springs(double noise) {
 }
 
 // Springs are simple, so that few bases explain them.
-const FitOptions kOptions{.noise = {.displacement = 1e-4, .force = 0.01}};
+const FitOptions kOptions{.noise = {.displacement = 1e-4}};
 
-TEST(EstimatedForceNoise, IsThatOfTheDataWhereItIsMoreThanTold) {
-  EXPECT_EQ(estimated_force_noise(springs(0.01), kOptions), 0.01);
-  EXPECT_NEAR(estimated_force_noise(springs(0.04), kOptions), 0.04, 0.012);
-  EXPECT_NEAR(estimated_force_noise(springs(0.15), kOptions), 0.15, 0.045);
+// Forces in another unit.
+std::vector<ForceSamples> scaled(std::vector<ForceSamples> contacts, double factor) {
+  for (ForceSamples& contact : contacts) contact.forces *= factor;
+  return contacts;
 }
 
-TEST(EstimatedForceNoise, IsAsToldWhereErrorsAreExpected) {
+// 0.3 % of the median of the largest forces.
+double least_noise(const std::vector<ForceSamples>& contacts) {
+  std::vector<double> largest;
+  for (const ForceSamples& contact : contacts)
+    largest.push_back(contact.forces.colwise().norm().maxCoeff());
+  return 0.003 * geometry::median(largest);
+}
+
+TEST(EstimatedForceNoise, ExplainsTheErrorsOfTheFields) {
+  EXPECT_NEAR(estimated_force_noise(springs(0.04), 0, kOptions), 0.04, 0.012);
+  EXPECT_NEAR(estimated_force_noise(springs(0.15), 0, kOptions), 0.15, 0.045);
+}
+
+TEST(EstimatedForceNoise, IsInTheUnitOfTheForces) {
+  for (const double factor : {0.1, 1e-3, 1e-9, 1e3}) {
+    const std::vector<ForceSamples> contacts = springs(0.04);
+    EXPECT_NEAR(estimated_force_noise(scaled(contacts, factor), 0, kOptions) / factor,
+                estimated_force_noise(contacts, 0, kOptions), 1e-6);
+  }
+}
+
+TEST(EstimatedForceNoise, IsInProportionToTheForcesWhereErrorsAreExpected) {
   FitOptions options = kOptions;
   options.max_bases = 1;
-  EXPECT_EQ(estimated_force_noise(springs(0.15), options), 0.01);
+  EXPECT_NEAR(estimated_force_noise(springs(0.15), 0, options), least_noise(springs(0.15)), 1e-9);
   options = kOptions;
   options.accuracy = 0.1;
-  EXPECT_EQ(estimated_force_noise(springs(0.15), options), 0.01);
-  EXPECT_EQ(estimated_force_noise({}, kOptions), 0.01);
+  EXPECT_NEAR(estimated_force_noise(springs(0.15), 0, options), least_noise(springs(0.15)), 1e-9);
+}
+
+TEST(EstimatedForceNoise, IsAtLeastWhatRepeatedForcesShow) {
+  EXPECT_EQ(estimated_force_noise(springs(0.02), 0.02, kOptions), 0.02);
+  EXPECT_NEAR(estimated_force_noise(springs(0.08), 0.02, kOptions), 0.08, 0.024);
+  EXPECT_NEAR(estimated_force_noise(springs(0.001), 0.001, kOptions), least_noise(springs(0.001)),
+              1e-9);
 }
 
 }  // namespace

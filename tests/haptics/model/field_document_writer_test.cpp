@@ -201,6 +201,7 @@ TEST(FieldDocumentWriter, AHundredContactsTakeLessThan140Kilobytes) {
                                      5 * vector(),
                                      k % 2 ? vector().normalized() : Eigen::Vector3d::Zero()});
     }
+    contact.position = rounded_position(contact.position, 100);
     model.contacts.push_back(rounded(contact));
   }
   model.triangles = Eigen::Matrix3Xi::Constant(3, 180, 55);

@@ -94,7 +94,6 @@ TEST(Rounding, KeepsFramesAndAxesExactlyWhatTheyAre) {
   for (int i = 0; i < 300; ++i) {
     const Eigen::Matrix3Xd points = random_points(2, 3, static_cast<unsigned>(i));
     ContactModel contact;
-    contact.position = 700 * points.col(0);
     // Half turns and quarter turns about the axes have quaternions with entries that are alike.
     contact.frame =
         i < 27 ? rotation_exp(std::numbers::pi / 2 * Eigen::Vector3d(i % 3, i / 3 % 3, i / 9))
@@ -109,12 +108,25 @@ TEST(Rounding, KeepsFramesAndAxesExactlyWhatTheyAre) {
     const ContactModel twice = rounded(once);
     EXPECT_EQ(twice.frame, once.frame);
     EXPECT_EQ(twice.friction_axis, once.friction_axis);
-    EXPECT_EQ(twice.position, once.position);
     // Half a unit of the seventh decimal of a quaternion, or an axis, whose largest entry is 1.
     EXPECT_LE((once.frame - contact.frame).norm(), 4e-7);
     EXPECT_LE((once.friction_axis - contact.friction_axis).norm(), 1e-7);
-    EXPECT_LE((once.position - contact.position).norm(), 1e-8 * contact.position.norm());
   }
+}
+
+TEST(Rounding, KeepsPositionsToTheNinthDigitOfTheObjectHoweverFarItIs) {
+  const Eigen::Vector3d at = Eigen::Vector3d(1, 2, 3) * std::numbers::pi;
+  for (const double size : {0.02, 1.0, 170.0, 999.0}) {
+    for (const double far : {0.0, 1e3, 0x1p30}) {
+      const Eigen::Vector3d position = size * at + Eigen::Vector3d(far, -far, 2 * far);
+      const Eigen::Vector3d once = rounded_position(position, size);
+      // Half a unit of the ninth digit, and of doubles there.
+      EXPECT_LE((once - position).cwiseAbs().maxCoeff(), 0.5e-8 * size + 2e-16 * far);
+      EXPECT_EQ(rounded_position(once, size), once);
+    }
+  }
+  EXPECT_EQ(rounded_position({123.4567891234, -0.00000012, 1e9}, 170),
+            Eigen::Vector3d(123.456789, 0, 1e9));
 }
 
 TEST(Rounding, KeepsSigns) {

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <optional>
 #include <random>
 #include <vector>
+
+#include "samples/repeated_forces.h"
 
 namespace palpate::haptics {
 namespace {
@@ -172,6 +175,45 @@ TEST(Realign, FindsAnOutlierInASmallGroup) {
 }
 
 TEST(Realign, OfNothingIsNothing) { EXPECT_EQ(realign(kContact, {}).forces.cols(), 0); }
+
+// An object that hardens, pressed 400 times to each of four forces, with noise of the force that is
+// applied but not recorded, and of the force that is recorded but not applied.
+std::vector<probing::Sample> repeated_presses(double applied, double recorded, double factor = 1) {
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  const auto depth = [](double force) { return 2 * std::log1p(force); };
+  std::vector<probing::Sample> samples;
+  for (const double level : {0.3, 0.8, 1.5, 3.0}) {
+    for (int i = 0; i < 400; ++i) {
+      const Vector3d at(10, 20, 700 + depth(level + applied * normal(random)));
+      samples.push_back(sample(static_cast<long long>(10 * level),
+                               {0, 0, factor * (level + recorded * normal(random))}, at,
+                               at + Vector3d(0.1, 0, 0)));
+    }
+  }
+  return samples;
+}
+
+TEST(RepeatedForces, TellTheirNoiseInTheUnitOfTheForces) {
+  const std::vector<RepeatedForce> groups = repeated_forces(kContact, repeated_presses(0.01, 0.02));
+  ASSERT_EQ(groups.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double level = std::array{0.3, 0.8, 1.5, 3.0}[i], stiffness = (1 + level) / 2;
+    EXPECT_EQ(groups[i].degrees_of_freedom, 399);
+    EXPECT_NEAR(groups[i].stiffness, stiffness, 0.25 * stiffness);
+    EXPECT_NEAR(std::sqrt(groups[i].variance), std::hypot(0.01, 0.02), 0.003);
+  }
+  for (const double factor : {1.0, 1e-3, 1e3}) {
+    const auto scaled = repeated_forces(kContact, repeated_presses(0.01, 0.02, factor));
+    EXPECT_NEAR(repeated_force_noise(scaled, 1e-4) / factor, std::hypot(0.01, 0.02), 0.002);
+  }
+}
+
+TEST(RepeatedForces, TellNothingIfPositionsExplainTheirScatter) {
+  EXPECT_EQ(repeated_force_noise({}, 0.02), 0);
+  EXPECT_EQ(repeated_force_noise(repeated_forces(kContact, repeated_presses(0, 0)), 0.02), 0);
+  EXPECT_EQ(repeated_force_noise(repeated_forces(kContact, repeated_presses(0.01, 0)), 0.03), 0);
+}
 
 }  // namespace
 }  // namespace palpate::haptics

@@ -16,6 +16,7 @@ namespace palpate::haptics {
                                              probing::PlanOptions options);
 
 /// Options for `build_model` of the samples of `probing::try_specimen`, which have no noise.
-[[nodiscard]] BuildOptions exact_samples();
+/// \param max_force [N] > 0: the largest one of the plan
+[[nodiscard]] BuildOptions exact_samples(double max_force);
 
 }  // namespace palpate::haptics

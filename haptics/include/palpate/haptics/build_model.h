@@ -53,8 +53,10 @@ struct BuildOptions {
   /// force and touches below the surface (`PressingOptions`). They are not taken if contacts that
   /// are left out are predicted better without.
   bool estimate_offsets = true;
-  /// Estimate the noise of the forces: of pressing, in place of `fit.noise.force`; otherwise it is
-  /// raised if it explains the errors of few contacts, and that of friction with it.
+  /// Estimate the noise of the forces from the measurements, in place of `fit.noise.force` and
+  /// `friction.force_noise`: what forces that were repeated show, at least 0.3 % of the largest
+  /// force, and more if that does not explain the errors. `friction.steady_error` changes in
+  /// proportion.
   bool estimate_force_noise = true;
   /// Of the same: fit how forces depend on the rate, if the times of samples show it (rate_fit.h).
   /// The tool is taken to have moved straight from sample to sample of a contact.
@@ -131,12 +133,18 @@ struct BuildResult {
   double distance_rms = 0;
   /// The triangles of the surface were reversed to agree with the normals of the contacts.
   bool surface_flipped = false;
+  /// Vertices that the model's surface has beyond those of the given one: 2 x M, each lies in the
+  /// middle of these two (`geometry::split_edges`).
+  Eigen::Matrix2Xi surface_ends;
 };
 
 /// Makes a model from measurements. The contacts are registered to the surface, moved onto it and
 /// triangulated (thesis 5.3.2.1). A friction cone and a force field are fitted at each of them, in
 /// parallel; the result does not depend on the number of threads. Displacements are relative to the
 /// contact as measured. All numbers of the contacts are `rounded`.
+///
+/// Weights between contacts are linear along the edges of the surface. Edges that are longer than
+/// two thirds of the distance between contacts there are therefore split; the shape stays.
 ///
 /// Where all contacts were only pressed (no sample has a tangential stage), displacements lie along
 /// one direction, which is too little for a fit of its own. The fields then follow

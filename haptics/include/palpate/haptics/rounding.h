@@ -29,10 +29,15 @@ inline constexpr int kFieldDigits = 7;
 /// Errors and certificates of a stored field must be computed after rounding.
 [[nodiscard]] ForceField rounded(ForceField field);
 
-/// Rounds a contact: its field; its frame and friction axis to 1e-7, still orthonormal and of unit
-/// length; its position to 9 digits, its friction coefficient to 6 and other figures to 4. A file
-/// stores such a contact exactly.
+/// Rounds a contact, apart from its position: its field; its frame and friction axis to 1e-7, still
+/// orthonormal and of unit length; its friction coefficient to 6 digits and other figures to 4. A
+/// file stores such a contact exactly.
 [[nodiscard]] ContactModel rounded(ContactModel contact);
+
+/// Rounds a position to the ninth digit of the size of its object, however far that is from the
+/// origin.
+/// \param size [mm] `geometry::bounding_diagonal` of the surface; with 0, nothing is rounded
+[[nodiscard]] Eigen::Vector3d rounded_position(const Eigen::Vector3d& position, double size);
 
 /// Rounds terms of a rate to 6 digits, as they are stored.
 [[nodiscard]] std::vector<RateTerm> rounded(std::vector<RateTerm> rate);

@@ -25,9 +25,10 @@ struct TransferredModel {
 ///
 /// Each contact moves to its image under a map of the surfaces, its frame and friction axis are
 /// rotated as the map rotates the surface there, and the contacts are triangulated again on the
-/// target. Fields are scaled uniformly, and so exactly, according to `forces`, and so is the
-/// reference force of compliances, which are recomputed. Friction coefficients stay. Everything
-/// except positions is `rounded`. The registration of the acquisition is dropped.
+/// target, whose long edges are split as by `build_model`. Fields are scaled uniformly, and so
+/// exactly, according to `forces`, and so is the reference force of compliances, which are
+/// recomputed. Friction coefficients stay. Everything is `rounded`. The registration of the
+/// acquisition is dropped.
 ///
 /// Force fields also depend on the inside of an object, about which a map of surfaces contains
 /// nothing. Between objects of one kind and similar shape the result is probably reasonable, but it

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "build/surface_refinement.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "palpate/geometry/edge_splitting.h"
+#include "palpate/geometry/surface_query.h"
+#include "samples/nearest_contacts.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+
+// Longest edge at a contact, in distances to the nearest other contact: what `geometry::remesh` to
+// half that distance leaves.
+constexpr double kLongestEdge = 2.0 / 3;
+// Longest edge elsewhere, in distances from a contact: the same in the middle of a square of
+// contacts.
+constexpr double kLongestEdgeBetween = kLongestEdge * std::numbers::sqrt2;
+
+struct EdgeLimit {
+  Vector3d position;
+  double longest;  // [mm] edge there
+};
+
+double distance_from_edge(const Vector3d& point, const Vector3d& a, const Vector3d& b) {
+  const Vector3d along = b - a;
+  const double at = std::clamp((point - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (a + at * along - point).norm();
+}
+
+}  // namespace
+
+RefinedSurface refine_surface(const Eigen::Matrix3Xd& directions, Model& model) {
+  std::vector<PressedContact> contacts(model.contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    contacts[i].position = model.contacts[i].position;
+    contacts[i].direction = directions.col(static_cast<Eigen::Index>(i));
+  }
+  std::vector<EdgeLimit> limits;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const std::vector<std::size_t>& near : nearest_contacts(contacts, 1)) {
+    if (near.size() < 2) continue;
+    const Vector3d& here = contacts[near[0]].position;
+    const double distance = (contacts[near[1]].position - here).norm();
+    if (distance == 0) continue;
+    limits.push_back({here, kLongestEdge * distance});
+    shortest = std::min(shortest, limits.back().longest);
+  }
+  const auto is_long = [&](const Vector3d& a, const Vector3d& b) {
+    const double length = (b - a).norm();
+    return length > shortest && std::ranges::any_of(limits, [&](const EdgeLimit& limit) {
+             return length > std::max(limit.longest, kLongestEdgeBetween *
+                                                         distance_from_edge(limit.position, a, b));
+           });
+  };
+  geometry::SplitMesh split = geometry::split_edges(model.surface, is_long);
+  model.surface = std::move(split.mesh);
+  RefinedSurface result{.ends = std::move(split.ends), .places = {}};
+  const geometry::SurfaceQuery query(model.surface);
+  for (const ContactModel& contact : model.contacts)
+    result.places.push_back(query.closest_point(contact.position).at);
+  return result;
+}
+
+}  // namespace palpate::haptics
