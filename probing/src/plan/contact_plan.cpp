@@ -65,8 +65,7 @@ void check_size(const TriangleMesh& mesh, const PlanOptions& options) {
   if (diagonal == 0) return;  // no place may be probed
   require("PlanOptions::tip_radius", options.tip_radius,
           above(0).at_most(in_three_digits(diagonal)), "mm");
-  const Eigen::Vector3d sides =
-      mesh.vertices.rowwise().maxCoeff() - mesh.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d sides = geometry::bounding_box(mesh).sizes();
   const bool is_grid = options.pattern == PlanPattern::grid;
   // Contacts in farthest-point order are vertices, of which there are no more than that.
   const double most = std::min<double>(options.contacts, static_cast<double>(mesh.vertices.cols()));
