@@ -215,7 +215,7 @@ class TriangleSearch {
     const double limit = enough();
     double furthest = -on_line;
     int edge = -1;
-    CutLine line;
+    CutLine line{.point = Eigen::Vector3d::Zero(), .normal = Eigen::Vector3d::Zero()};
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector3d& from = target[k];
       const Eigen::Vector3d across = (target[(k + 1) % 3] - from).cross(normal_);
