@@ -158,7 +158,7 @@ TEST(Identify, FindsTheHalfSpaceFromItsTwoStiffnesses) {
 /// the force is inside the cone.
 probing::Acquisition dragged_half_space(double normal, double tangential, double shared,
                                         unsigned seed) {
-  constexpr double kPositionNoise = 0.02, kForceNoise = 0.01;  // [mm], [N]
+  constexpr double kPositionNoise = 0.02, kTremor = 0.01;  // [mm], [N]
   constexpr double kFriction = 0.7;
   std::mt19937 random(seed);
   std::normal_distribution<double> one;
@@ -175,11 +175,11 @@ probing::Acquisition dragged_half_space(double normal, double tangential, double
       for (int k = 0; k < 8; ++k) {
         // Half a deviation inside of the boundary, and as much outside, in four directions.
         const double angle = 0.8 * level + std::numbers::pi / 2 * (k / 2);
-        const double drag = kFriction * pressed + (k % 2 == 0 ? -0.5 : 0.5) * kForceNoise;
+        const double drag = kFriction * pressed + (k % 2 == 0 ? -0.5 : 0.5) * kTremor;
         const Eigen::Vector3d force(drag * std::cos(angle), drag * std::sin(angle), pressed);
-        const Eigen::Vector3d steady = noise(kForceNoise * std::sqrt(shared));
-        const Eigen::Vector3d first = steady + noise(kForceNoise * std::sqrt(1 - shared)),
-                              second = steady + noise(kForceNoise * std::sqrt(1 - shared));
+        const Eigen::Vector3d steady = noise(kTremor * std::sqrt(shared));
+        const Eigen::Vector3d first = steady + noise(kTremor * std::sqrt(1 - shared)),
+                              second = steady + noise(kTremor * std::sqrt(1 - shared));
         const Eigen::Vector3d real = force + second;
         acquisition.samples.push_back(
             {.id = static_cast<long long>(acquisition.samples.size()),
