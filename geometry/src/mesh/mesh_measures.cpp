@@ -18,12 +18,6 @@
 
 namespace palpate::geometry {
 
-Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const int v : mesh.triangles.reshaped()) box.extend(mesh.vertices.col(v));
-  return box;
-}
-
 double surface_area(const TriangleMesh& mesh) {
   check_mesh(mesh, "mesh");
   double area = 0;

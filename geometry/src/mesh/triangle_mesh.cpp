@@ -124,6 +124,13 @@ Eigen::Matrix3Xd vertex_normals(const TriangleMesh& mesh) {
   return sums;
 }
 
+// Here, because the web player has no other measures.
+Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const int v : mesh.triangles.reshaped()) box.extend(mesh.vertices.col(v));
+  return box;
+}
+
 double bounding_diagonal(const TriangleMesh& mesh) {
   const Eigen::AlignedBox3d box = bounding_box(mesh);
   return box.isEmpty() ? 0 : box.diagonal().norm();
