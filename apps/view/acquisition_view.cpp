@@ -241,8 +241,8 @@ void AcquisitionView::panel() {
          fmt::format("{}", std::ranges::count_if(
                                samples, [](const auto& s) { return s.on_friction_boundary; })));
   figure("pairs of force and displacement", fmt::format("{}", arrows_.size()));
-  figure("99 % of the forces up to", newtons(top_force_, 2));
-  if (rms_) figure("RMS from the model", newtons(*rms_));
+  figure("99 % of the forces up to", apps::newtons(top_force_, 2));
+  if (rms_) figure("RMS from the model", apps::newtons(*rms_));
   panel_of_contact();
   panel_of_arrow_colors();
   heading("View");
@@ -270,7 +270,7 @@ void AcquisitionView::panel_of_contact() {
   std::ranges::copy_if(arrows_, std::back_inserter(own),
                        [&](const SampleArrow& a) { return a.contact == *chosen_; });
   if (const std::optional<double> rms = residual_rms(own)) {
-    figure("RMS from the model", newtons(*rms));
+    figure("RMS from the model", apps::newtons(*rms));
   } else if (scene_.model) {
     remark("The model does not have this contact.");
   }
@@ -292,7 +292,7 @@ void AcquisitionView::panel_of_arrow_colors() {
     return;
   }
   color_bar(pictures::ColorMap::sequential);
-  figure("0 N", newtons(top_residual_, 3));
+  figure("0 N", apps::newtons(top_residual_, 3));
   remark("Difference of the model's force from the measured one, at the same displacement.");
 }
 

@@ -101,7 +101,7 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   made.prose = fmt::format("{} pixels with a depth\n", known);
   if (made.mesh.triangles.cols() == 0)
     throw InvalidInput(input.string() + ": no two neighbouring pixels have a depth.");
-  if (made.mesh.vertices.cols() < kLeastMeshed * static_cast<double>(known)) {
+  if (static_cast<double>(made.mesh.vertices.cols()) < kLeastMeshed * static_cast<double>(known)) {
     tell_doubts(
         input.string(),
         {{.subject = "mesh",

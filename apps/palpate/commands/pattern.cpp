@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/require.h"
 #include "palpate/sensing/frame.h"
