@@ -181,6 +181,7 @@ TEST(HausdorffDistance, HoldsForASurfaceOfManyScales) {
     for (const auto& [from, to] : {std::pair(star, other), std::pair(other, star)}) {
       const LargestDistance bounds = one_sided_hausdorff_distance(from, to);
       const test::SampledDistance sampled = test::sampled_distance(from, to, 2000);
+      EXPECT_LE(bounds.upper, 1.01 * bounds.lower);
       EXPECT_LE(sampled.largest, bounds.upper * (1 + kDistanceRounding));
       EXPECT_NEAR(test::brute_force_distance(bounds.at, to), bounds.lower,
                   kDistanceRounding * bounds.lower);
