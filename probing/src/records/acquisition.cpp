@@ -116,8 +116,9 @@ CheckedAcquisition::CheckedAcquisition(Acquisition acquisition)
     : records_(std::move(acquisition)),
       index_(check_contacts(records_.contacts)),
       begin_(records_.contacts.size() + 1, 0) {
-  require("Acquisition::probe_radius", records_.probe_radius, above(0).at_most(kLargestMeasurement),
-          "mm");
+  require("Acquisition::probe_radius", records_.probe_radius, above(0).finite(), "mm");
+  require("Acquisition::probe_radius", records_.probe_radius,
+          Interval{}.at_most(kLargestMeasurement), "mm");
   std::vector<Sample>& samples = records_.samples;
   check_samples(samples, index_);
   const auto contact_of = [this](const Sample& sample) { return index_.at(sample.contact); };
