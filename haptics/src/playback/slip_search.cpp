@@ -118,14 +118,13 @@ class SlipSearcher {
   }
 
   // |f_T| - mu f_N, with -|f_T| beyond the place where f_T turns round. It falls along the section.
-  // \param forward direction of the section there.
-  [[nodiscard]] double signed_excess(const Eigen::Vector3d& forward) const {
-    const bool beyond = tangential_.dot(forward) < 0;
+  [[nodiscard]] double signed_excess() const {
+    const bool beyond = tangential_.dot(forward_) < 0;
     return last_.parts.excess - (beyond ? 2 * last_.parts.tangential : 0);
   }
   // f_T across the section is beyond the cone, so that no place near here is a root.
-  [[nodiscard]] bool passes_beside(const Eigen::Vector3d& forward) const {
-    const double along = tangential_.dot(forward);
+  [[nodiscard]] bool passes_beside() const {
+    const double along = tangential_.dot(forward_);
     const double across = std::sqrt(std::max(0.0, tangential_.squaredNorm() - along * along));
     return across > std::max(0.0, last_.parts.tangential - last_.parts.excess);
   }
@@ -159,7 +158,7 @@ class SlipSearcher {
       note_border(walk);
       from = walk.at;
       from_at = at;
-      const double excess = signed_excess(walk.direction);
+      const double excess = signed_excess();
       if (at > 0 && (i == 0 || std::abs(excess) < low_excess))
         slope = (excess - start_.parts.excess) / at;
       keep_best();
@@ -173,7 +172,7 @@ class SlipSearcher {
         low_place = walk.at;
         if (ended || at >= farthest) return is_root(best_);
       } else {
-        if (passes_beside(walk.direction)) return is_root(best_);
+        if (passes_beside()) return is_root(best_);
         high = at;
         high_excess = excess;
       }

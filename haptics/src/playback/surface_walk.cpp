@@ -86,7 +86,7 @@ geometry::SurfacePoint SurfaceWalk::point(const SurfacePlace& place) const noexc
 
 Walk SurfaceWalk::walk(const SurfacePlace& from, const Eigen::Vector3d& plane_normal,
                        const Eigen::Vector3d& direction, double length) const noexcept {
-  Walk result{.at = from, .direction = direction};
+  Walk result{.at = from};
   if (!(length > 0)) return result;
   Eigen::Vector3d here = from.position;
   const Eigen::Vector3d centroid =
@@ -135,7 +135,6 @@ Walk SurfaceWalk::walk(const SurfacePlace& from, const Eigen::Vector3d& plane_no
     }
     if (exit == 3) break;  // only if the plane is not finite
     const double distance = (end - here).norm();
-    if (distance > 0) result.direction = (end - here) / distance;
     if (distance >= left) {
       here += left / distance * (end - here);
       left = 0;

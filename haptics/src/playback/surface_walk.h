@@ -28,7 +28,6 @@ struct TouchedTriangles {
 /// The end of a walk.
 struct Walk {
   SurfacePlace at;
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of its end
   double length = 0;     ///< [mm] really walked, at most what was asked for
   int border_edge = -1;  ///< corner at which the edge of the border begins that ended it; -1: none
 };

@@ -47,12 +47,12 @@ struct PlaybackOptions {
   ContactMotion motion = ContactMotion::bracketed;
   /// [N] > 0. A contact holds while |f_T| - mu f_N is at most this, and a slip ends there.
   double tolerance = 2e-4;
-  /// [N mm] >= 0, only with `bracketed`: from touch to release the object does at most this much
-  /// work on the user. A slip that would take more ends early, beyond the friction cone. If the
-  /// contact must go to where more is stored, as across the bottom of a sharp groove, the object
-  /// has only the share of its force and energy that the user has put in. Eq 5.17
-  /// alone returns up to 12 N mm on a fitted sheet where mu <= 0.2, and nothing from 0.5 on;
-  /// infinity keeps to it. See docs/trade-playback.md.
+  /// [N mm] >= 0, only with `bracketed`: limits the work that the object does on the user from
+  /// touch to release. A slip that would take more ends early, beyond the friction cone. Where the
+  /// contact must go to a place that stores more, as in a sharp groove, the object has only the
+  /// share of its force and energy that the user has put in. Eq 5.17 alone returns up to 12 N mm on
+  /// a fitted sheet where mu <= 0.2, and nothing from 0.5 on; infinity keeps to it. See
+  /// docs/trade-playback.md.
   double energy_credit = 0.04;
   /// >= 0. Coefficient of contacts whose friction is unknown (`has_unknown_friction`). Such objects
   /// were mostly only pressed; their stiffness across the pressing is an assumption as well.
