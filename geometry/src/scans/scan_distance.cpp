@@ -104,7 +104,8 @@ PlaceDistances ScanDistance::at(const Eigen::Ref<const Eigen::Matrix3Xd>& places
       const auto corners = mesh_.triangles.col(closest.at.triangle);
       const Eigen::Vector3d& b = closest.at.barycentric;
       result.precision[i] = b.dot(precision_(corners));
-      const double guess = result.beyond[i] / (kGuess * overhang_);
+      // The overhang may be 0.
+      const double guess = result.beyond[i] > 0 ? result.beyond[i] / (kGuess * overhang_) : 0;
       const double doubt = 1 + guess * guess;
       result.weight[i] = result.precision[i] * b.dot(feather_(corners)) / (doubt * doubt);
     }
