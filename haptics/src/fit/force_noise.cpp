@@ -9,6 +9,7 @@
 
 #include "fit/field_objective.h"
 #include "palpate/geometry/median.h"
+#include "palpate/haptics/rounding.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::haptics {
@@ -22,6 +23,8 @@ constexpr double kLeastNoise = 0.003;
 constexpr std::size_t kPilots = 5;
 // The estimate is the least noise times 2^(k / kSteps), with k up to kMostSteps: up to 64 times.
 constexpr int kSteps = 4, kMostSteps = 24;
+// What is estimated is what the model stores.
+constexpr int kNoiseDigits = 3;
 
 // The median over contacts of their largest force.
 double typical_force(const std::vector<ForceSamples>& contacts) {
@@ -50,7 +53,8 @@ double needed_noise(const ForceSamples& pairs, const FitResult& fit, FitOptions 
 
 double estimated_force_noise(const std::vector<ForceSamples>& contacts, double repeated,
                              FitOptions options) {
-  const double least = std::max(repeated, kLeastNoise * typical_force(contacts));
+  const double least =
+      round_to_digits(std::max(repeated, kLeastNoise * typical_force(contacts)), kNoiseDigits);
   if (options.mode != FitMode::convex || options.compare_always || options.accuracy > 0 ||
       options.max_bases || !(least > 0))
     return least;
@@ -69,7 +73,7 @@ double estimated_force_noise(const std::vector<ForceSamples>& contacts, double r
     const FitResult fit = fit_force_field(pairs.displacements, pairs.forces, options);
     needed[p] = fit.stop == FitStop::unexplained ? needed_noise(pairs, fit, options) : least;
   });
-  return geometry::median(std::move(needed));
+  return round_to_digits(geometry::median(std::move(needed)), kNoiseDigits);
 }
 
 }  // namespace palpate::haptics
