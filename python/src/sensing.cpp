@@ -220,7 +220,7 @@ Threads may decode with the same decoder at the same time.)")
 window_periods: length of the demodulation window in periods of the sinusoid, in [1.25, 8].
 half_resolution: decode at half the size, several times faster.
 anchors: (column, row, depth [mm]) of known pixels, for a pattern without stripes only: only their
-surfaces get depths, as far as no step of depth can hide.
+regions get depths.
 Raises InvalidInput.)")
       .def_property_readonly(
           "rig", [](const Decoder& decoder) { return decoder.rig(); },
@@ -236,7 +236,7 @@ Raises InvalidInput.)")
           R"(Decodes a frame of uint8 or uint16, (rows, columns, 3) with blue first, linear in the light.
 
 A frame without the projector's light gives a range map of NaN. Raises InvalidInput if size or
-type are wrong, or anchors contradict each other. Ctrl-C is not heard: a frame takes milliseconds.)");
+type are wrong. Ctrl-C is not heard: a frame takes milliseconds.)");
 }
 
 void add_multishot(py::module_& module) {

@@ -100,15 +100,12 @@ cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
 
 /// Warns if most phases are of no use because their surfaces have no anchor.
 void warn_of_pixels_without_anchor(const std::string& frame, const sensing::ReasonImage& reasons) {
-  const long without = sensing::count(reasons, sensing::Reason::no_transition) +
-                       sensing::count(reasons, sensing::Reason::possible_step);
+  const long without = sensing::count(reasons, sensing::Reason::no_transition);
   const long decoded = sensing::count(reasons, sensing::Reason::reconstructed);
   if (without <= decoded) return;
   spdlog::warn(
-      "{}: {} pixels show the sinusoid on surfaces without an anchor, or where a step may hide, "
-      "only {} on surfaces with one. Give an --anchor on each surface, at its depth in mm, away "
-      "from "
-      "edges and holes.",
+      "{}: {} pixels show the sinusoid on surfaces without an anchor, only {} on surfaces with "
+      "one. Give an --anchor on each surface, at its depth in mm, away from edges and holes.",
       frame, without, decoded);
 }
 

@@ -40,8 +40,7 @@ struct Workspace {
   ReasonImage reasons_around;  ///< of the working image, if the part is not all of it
   Plane wrapped;
   Plane variance;
-  Plane doubt;    ///< for a pattern without stripes
-  Labels smooth;  ///< for a pattern without stripes: regions that the phase alone connects
+  Plane doubt;  ///< [rad^2] variance plus sigma^2, for a pattern without stripes
   UnwrappingBuffers unwrapping;
   Regions regions;
   Plane hue;

@@ -11,8 +11,8 @@ namespace palpate::sensing {
 namespace {
 
 constexpr std::array<std::string_view, kReasonCount> kReasonNames = {
-    "reconstructed",    "unlit",  "saturated", "low_modulation", "uneven_phase",   "no_transition",
-    "ambiguous_offset", "border", "off_panel", "grazing",        "color_mismatch", "possible_step"};
+    "reconstructed",    "unlit",  "saturated", "low_modulation", "uneven_phase",  "no_transition",
+    "ambiguous_offset", "border", "off_panel", "grazing",        "color_mismatch"};
 
 /// \param unless mask value of the pixels that get no reason.
 PALPATE_HOT_LOOP void give_reason_to(const std::uint8_t* where, std::uint8_t unless,

@@ -180,19 +180,13 @@ std::optional<PhaseGuess> nearest_in_region(const Regions& regions, PhaseGuess g
   return nearest;
 }
 
-std::optional<Contradiction> contradicting_anchors(const Regions& regions,
-                                                   const std::vector<PhaseGuess>& anchors) {
-  for (std::size_t i = 0; i < anchors.size(); ++i) {
-    const int label = regions.label(anchors[i].row, anchors[i].column);
-    if (label < 0) continue;
-    for (std::size_t k = 0; k < i; ++k) {
-      if (regions.label(anchors[k].row, anchors[k].column) != label) continue;
-      const long periods =
-          std::lround(turns_of(regions, anchors[i])) - std::lround(turns_of(regions, anchors[k]));
-      if (periods != 0) return Contradiction{anchors[k], anchors[i], std::abs(periods)};
-    }
+void anchor_markers(const Regions& regions, const std::vector<PhaseGuess>& anchors,
+                    std::vector<Marker>& markers) {
+  markers.clear();
+  for (const PhaseGuess& anchor : anchors) {
+    markers.push_back({anchor.row * static_cast<int>(regions.label.cols()) + anchor.column,
+                       static_cast<int>(std::lround(turns_of(regions, anchor)))});
   }
-  return std::nullopt;
 }
 
 void anchored_offsets(const Regions& regions, const std::vector<PhaseGuess>& anchors,
@@ -201,8 +195,13 @@ void anchored_offsets(const Regions& regions, const std::vector<PhaseGuess>& anc
   for (const PhaseGuess& anchor : anchors) {
     const int label = regions.label(anchor.row, anchor.column);
     if (label < 0) continue;
-    offsets[static_cast<std::size_t>(label)] = {kFullTurn * std::round(turns_of(regions, anchor)),
-                                                Reason::reconstructed};
+    RegionOffset& offset = offsets[static_cast<std::size_t>(label)];
+    const double phase = kFullTurn * std::round(turns_of(regions, anchor));
+    if (offset.reason == Reason::no_transition) {
+      offset = {phase, Reason::reconstructed};
+    } else if (offset.phase != phase) {
+      offset = {{}, Reason::ambiguous_offset};
+    }
   }
 }
 

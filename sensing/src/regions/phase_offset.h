@@ -79,19 +79,14 @@ void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guess
 [[nodiscard]] std::optional<PhaseGuess> nearest_in_region(const Regions& regions, PhaseGuess guess,
                                                           long reach);
 
-/// Two anchors of one region that are whole turns of its phase apart.
-struct Contradiction {
-  PhaseGuess first;
-  PhaseGuess second;
-  long periods = 0;
-};
-/// The first two that contradict each other; none if the anchors of each region agree.
-[[nodiscard]] std::optional<Contradiction> contradicting_anchors(
-    const Regions& regions, const std::vector<PhaseGuess>& anchors);
+/// Markers of guesses that are known to be right.
+/// \param anchors in regions.
+void anchor_markers(const Regions& regions, const std::vector<PhaseGuess>& anchors,
+                    std::vector<Marker>& markers);
 
 /// The offsets of regions from known phases, for a pattern without stripes. A region without an
-/// anchor gets none (no_transition). One outside all regions says nothing.
-/// \param anchors which do not contradict each other.
+/// anchor gets none (no_transition), nor does one whose anchors disagree (ambiguous_offset).
+/// \param anchors in regions.
 /// \param offsets output, one per region.
 void anchored_offsets(const Regions& regions, const std::vector<PhaseGuess>& anchors,
                       std::vector<RegionOffset>& offsets);

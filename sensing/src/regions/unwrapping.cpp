@@ -13,6 +13,9 @@
 namespace palpate::sensing {
 namespace {
 
+/// Half the width of the necks that are cut [px].
+constexpr long kNeck = 3;
+
 /// Smoothness classes have equal width in the square root of the variance.
 PALPATE_HOT_LOOP void classify(const float* variance, float max_variance, std::uint8_t* classes,
                                long pixels) {
@@ -40,20 +43,20 @@ PALPATE_HOT_LOOP void keep_cores(std::uint8_t* classes, long count) {
   for (long i = 0; i < count; ++i) classes[i] = classes[i] == kNotSmooth ? kNotSmooth : 0;
 }
 
-/// Erodes the smooth pixels by the neck; the remaining ones have one class. The image's border does
+/// Erodes the smooth pixels by kNeck; the remaining ones have one class. The image's border does
 /// not erode.
-void cut_necks(long neck, Mask& classes, Mask& row_minima) {
+void cut_necks(Mask& classes, Mask& row_minima) {
   const long rows = classes.rows();
   const long columns = classes.cols();
   row_minima = classes;
   for (long row = 0; row < rows; ++row) {
-    for (long shift = 1; shift <= std::min(neck, columns - 1); ++shift) {
+    for (long shift = 1; shift <= std::min(kNeck, columns - 1); ++shift) {
       raise_to(&classes(row, shift), &row_minima(row, 0), columns - shift);
       raise_to(&classes(row, 0), &row_minima(row, shift), columns - shift);
     }
   }
   classes = row_minima;
-  for (long shift = 1; shift <= std::min(neck, rows - 1); ++shift) {
+  for (long shift = 1; shift <= std::min(kNeck, rows - 1); ++shift) {
     const long count = (rows - shift) * columns;
     raise_to(&row_minima(shift, 0), classes.data(), count);
     raise_to(row_minima.data(), &classes(shift, 0), count);
@@ -216,59 +219,6 @@ void flood(const Plane& wrapped, double max_step, Labels& labels, Mask& roles,
   }
 }
 
-/// Lets the smooth pixels around the cores join them, from all sides at once, over links of at most
-/// `max_step` and up to a distance of `reach` px.
-void spread_cores(const Plane& wrapped, const Mask& smooth, double max_step, long reach,
-                  Labels& cores) {
-  const long rows = wrapped.rows();
-  const long columns = wrapped.cols();
-  const auto limit = static_cast<float>(max_step);
-  const float across_turn = 2 * std::numbers::pi_v<float> - limit;
-  std::vector<std::pair<long, int>> joined;  // pixel, core
-  const auto visit = [&](long pixel, long other) {
-    if (cores.data()[other] >= 0 || smooth.data()[other] == kNotSmooth) return;
-    const float step = std::abs(wrapped.data()[other] - wrapped.data()[pixel]);
-    if (step <= limit || step >= across_turn) joined.emplace_back(other, cores.data()[pixel]);
-  };
-  const auto visit_around = [&](long pixel) {
-    const long column = pixel % columns;
-    for (long above = pixel >= columns ? -1 : 0;
-         above <= (pixel + columns < rows * columns ? 1 : 0); ++above) {
-      if (above != 0) visit(pixel, pixel + above * columns);
-      if (column > 0) visit(pixel, pixel + above * columns - 1);
-      if (column + 1 < columns) visit(pixel, pixel + above * columns + 1);
-    }
-  };
-  for (long pixel = 0; pixel < cores.size(); ++pixel) {
-    if (cores.data()[pixel] >= 0) visit_around(pixel);
-  }
-  std::vector<std::pair<long, int>> front;
-  for (long distance = 1; distance <= reach && !joined.empty(); ++distance) {
-    front.clear();
-    for (const auto& [pixel, core] : joined) {
-      if (cores.data()[pixel] >= 0) continue;
-      cores.data()[pixel] = core;
-      front.emplace_back(pixel, core);
-    }
-    joined.clear();
-    for (const auto& [pixel, core] : front) visit_around(pixel);
-  }
-}
-
-/// Takes the smoothness from pixels in no core, and from one of two neighbours in different ones.
-void keep_cores_apart(const Labels& cores, Mask& classes) {
-  for (long row = 0; row < cores.rows(); ++row) {
-    for (long column = 0; column < cores.cols(); ++column) {
-      const int core = cores(row, column);
-      const bool meets = (row > 0 && cores(row - 1, column) > core) ||
-                         (column > 0 && cores(row, column - 1) > core) ||
-                         (row + 1 < cores.rows() && cores(row + 1, column) > core) ||
-                         (column + 1 < cores.cols() && cores(row, column + 1) > core);
-      if (core < 0 || meets) classes(row, column) = kNotSmooth;
-    }
-  }
-}
-
 }  // namespace
 
 void grow_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
@@ -282,24 +232,6 @@ void grow_regions(const Plane& wrapped, const Plane& variance, const FloodLimits
   regions.count = buffers.runs.count();
 }
 
-void grow_wide_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
-                       UnwrappingBuffers& buffers, Regions& regions) {
-  Mask& smooth = buffers.ranks;
-  smooth.resize(wrapped.rows(), wrapped.cols());
-  classify(variance.data(), static_cast<float>(limits.max_variance), smooth.data(),
-           variance.size());
-  buffers.classes = smooth;
-  cut_necks(limits.neck, buffers.classes, buffers.row_minima);
-  buffers.runs.find(wrapped, buffers.classes, limits.max_step);
-  buffers.runs.write_labels(buffers.cores);
-  spread_cores(wrapped, smooth, limits.max_step, limits.neck, buffers.cores);
-  keep_cores_apart(buffers.cores, smooth);
-  buffers.runs.find(wrapped, smooth, limits.max_step);
-  buffers.runs.write_labels(regions.label);
-  buffers.runs.write_phase(wrapped, regions.phase);
-  regions.count = buffers.runs.count();
-}
-
 void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
                    const std::vector<Marker>& markers, UnwrappingBuffers& buffers,
                    Regions& regions) {
@@ -308,7 +240,7 @@ void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimit
   classify(variance.data(), static_cast<float>(limits.max_variance), buffers.classes.data(),
            pixels);
   leave_out(regions.label.data(), buffers.classes.data(), pixels);
-  cut_necks(limits.neck, buffers.classes, buffers.row_minima);
+  cut_necks(buffers.classes, buffers.row_minima);
   buffers.runs.find(wrapped, buffers.classes, limits.max_step);
   buffers.runs.write_labels(buffers.cores);
   buffers.runs.measure(buffers.core_extents);

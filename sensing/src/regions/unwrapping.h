@@ -18,7 +18,6 @@ struct FloodLimits {
   /// Smallest core in which a marker is expected [px]; by default, a smaller one may lie between
   /// two stripe edges.
   int least_core = 300;
-  long neck = 3;  ///< half the width of the necks that are cut [px]
 };
 
 /// Smooth regions of the phase, each unwrapped up to its own multiple of 2 pi.
@@ -52,17 +51,11 @@ struct UnwrappingBuffers {
 void grow_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
                   UnwrappingBuffers& buffers, Regions& regions);
 
-/// Finds the regions whose pixels are connected by ways that are everywhere wider than two necks,
-/// and unwraps each along such ways. What hangs on by a narrower one belongs to no region unless it
-/// is within a neck of a wide part.
-void grow_wide_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
-                       UnwrappingBuffers& buffers, Regions& regions);
-
 /// Splits the regions whose markers disagree. This is needed where two surfaces meet at a depth
 /// step of about a whole period, because the phase alone shows no border there. The largest step is
 /// that of `grow_regions`; the variance and its limit may be others. Pixels in no region stay so.
 ///
-/// A core is a connected part of a region after cutting its necks. The
+/// A core is a connected part of a region after cutting all necks narrower than seven pixels. The
 /// part behind such a neck may be another surface: a core without a marker that is large enough to
 /// expect a stripe edge in it becomes a region of its own, whose depth stays unknown. A core whose
 /// markers agree stays whole. The remaining pixels are flooded from these cores, and elsewhere from

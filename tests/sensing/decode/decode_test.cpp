@@ -217,6 +217,17 @@ TEST(Decoder, AnAnchorsOffsetIsNotCarriedOverDepthSteps) {
   }
 }
 
+TEST(Decoder, ADarkWallThatWasReallyTakenIsDecodedFromAnAnchor) {
+  const std::filesystem::path folder = repository("tests/sensing/captures/phase_shifting");
+  const Anchor anchor{.u_px = 242, .v_px = 76, .z = 400};
+  for (const Segmentation segmentation : {Segmentation::flood, Segmentation::snakes}) {
+    const Decoder decoder(read_rig(folder / "wall_rig.yaml"), read_pattern(folder / "pattern.yaml"),
+                          {}, {.segmentation = segmentation, .anchors = {anchor}});
+    const DecodeResult result = decoder.decode(read_frame(folder / "wall.png"));
+    EXPECT_TRUE(((result.range.z > 0) == (result.reasons == 0)).all());
+  }
+}
+
 TEST(Decoder, ReachesItsTargetsOnTheBundledFrames) {
   const TrainedColors colors = train_colors_from_folder(demo_path("training"));
   const Pattern pattern = read_pattern(demo_path("pattern.yaml"));

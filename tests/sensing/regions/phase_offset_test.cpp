@@ -124,28 +124,14 @@ TEST(PhaseOffset, AnAnchorGivesItsRegionAnOffsetAndNoOther) {
   other.column = 12;
   anchored_offsets(two_regions(), {anchor, other, anchor}, offsets);
   EXPECT_TRUE(offsets[0].phase && offsets[1].phase);
-  EXPECT_FALSE(contradicting_anchors(two_regions(), {anchor, other, anchor}));
-}
-
-TEST(PhaseOffset, AnchorsOfOneRegionMustAgree) {
-  const PhaseGuess anchor{.row = 4, .column = 3, .phase = 0.7, .score = 1, .edge = 5};
-  PhaseGuess other = anchor;
   other.column = 4;
-  other.phase -= 2 * 2 * std::numbers::pi;
-  other.edge = 6;
-  PhaseGuess elsewhere = other;
-  elsewhere.column = 12;
-  EXPECT_FALSE(contradicting_anchors(two_regions(), {anchor, elsewhere, anchor}));
-  const auto pair = contradicting_anchors(two_regions(), {elsewhere, anchor, other});
-  ASSERT_TRUE(pair);
-  EXPECT_EQ(pair->first.edge, 5);
-  EXPECT_EQ(pair->second.edge, 6);
-  EXPECT_EQ(pair->periods, 2);
+  other.phase += 2 * std::numbers::pi;
+  anchored_offsets(two_regions(), {anchor, other, anchor}, offsets);
+  EXPECT_EQ(offsets[0].reason, Reason::ambiguous_offset);
 }
 
 TEST(PhaseOffset, AnAnchorOutsideEveryRegionSaysNothing) {
   const PhaseGuess outside{.row = 4, .column = 11, .phase = 0.7, .score = 1};
-  EXPECT_FALSE(contradicting_anchors(two_regions(), {outside, outside}));
   std::vector<RegionOffset> offsets;
   anchored_offsets(two_regions(), {outside}, offsets);
   for (const RegionOffset& offset : offsets) EXPECT_FALSE(offset.phase);

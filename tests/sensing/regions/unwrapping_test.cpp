@@ -142,57 +142,6 @@ TEST(Unwrapping, PixelsInNoRegionStaySoWhateverTheLimitsOfTheSplit) {
   EXPECT_TRUE((regions.label == before).all());
 }
 
-Regions grown_wide(const Plane& wrapped, const Plane& variance) {
-  UnwrappingBuffers buffers;
-  Regions regions;
-  grow_wide_regions(wrapped, variance, kFloodLimits, buffers, regions);
-  return regions;
-}
-
-TEST(Unwrapping, WideRegionsEndAtNecks) {
-  const Plane wrapped_phase = Plane::Zero(40, 80);
-  for (const long neck : {6L, 7L}) {
-    Plane variance = Plane::Constant(40, 80, std::numeric_limits<float>::infinity());
-    variance.block(5, 5, 30, 30) = 0;
-    variance.block(5, 45, 30, 30) = 0;
-    variance.block(20 - neck / 2, 35, neck, 10) = 0;
-    const Regions regions = grown_wide(wrapped_phase, variance);
-    EXPECT_EQ(regions.label(20, 10) == regions.label(20, 70), neck == 7) << neck;
-    EXPECT_TRUE((regions.label.block(5, 5, 30, 30) == regions.label(5, 5)).all());
-    if (neck == 7) continue;
-    // The neck's middle belongs to neither.
-    EXPECT_EQ(regions.count, 2);
-    EXPECT_EQ(regions.label(20, 39), -1);
-  }
-}
-
-TEST(Unwrapping, WideRegionsOnBothSidesOfAShortNeckStayApart) {
-  const Plane wrapped_phase = Plane::Zero(40, 80);
-  Plane variance = Plane::Zero(40, 80);
-  variance.middleCols(39, 2) = std::numeric_limits<float>::infinity();
-  variance.block(18, 39, 5, 2) = 0;
-  const Regions regions = grown_wide(wrapped_phase, variance);
-  EXPECT_EQ(regions.count, 2);
-  EXPECT_NE(regions.label(20, 30), regions.label(20, 50));
-}
-
-TEST(Unwrapping, AWideRegionIsUnwrappedWithinItself) {
-  // Two halves that are a turn apart behind a crack; only a narrow bridge goes from one to the
-  // other over less than half a turn.
-  Plane phase = Plane::Zero(60, 80);
-  for (long row = 0; row < 60; ++row)
-    phase.row(row).rightCols(40) = static_cast<float>(row) / 59 * 2 * std::numbers::pi_v<float>;
-  Plane variance = Plane::Zero(60, 80);
-  variance.block(4, 40, 56, 1) = std::numeric_limits<float>::infinity();
-  const Regions regions = grown_wide(wrapped(phase), variance);
-  EXPECT_NE(regions.label(30, 20), regions.label(30, 60));
-  for (const long column : {20L, 60L}) {
-    const float offset = regions.phase(0, column) - phase(0, column);
-    for (long row = 0; row < 60; ++row)
-      EXPECT_NEAR(regions.phase(row, column) - phase(row, column), offset, kPathRounding);
-  }
-}
-
 TEST(Unwrapping, ASmallPatchMayLieBetweenTwoStripeEdges) {
   const Plane wrapped_phase = Plane::Zero(40, 80);
   const Marker marker{40 / 2 * 80 + 10, 3};

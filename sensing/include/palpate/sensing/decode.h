@@ -60,9 +60,9 @@ struct DecodeOptions {
   double min_agreement = 0.8;
   /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
   double max_sensitivity = 0.1;
-  /// Required for a pattern without stripes, and forbidden otherwise. Only surfaces with an anchor
-  /// are reconstructed, and only as far as they are one surface for sure: beyond places where
-  /// another one may begin, a pixel needs an anchor of its own (`possible_step`).
+  /// Required for a pattern without stripes, and forbidden otherwise. Only the regions of the
+  /// anchors are reconstructed; they end where the sinusoid fits badly, as at the borders of
+  /// surfaces. A region whose anchors contradict each other is divided between them.
   std::vector<Anchor> anchors = {};
 };
 
@@ -108,8 +108,8 @@ class Decoder {
 
   /// Decodes a frame. A frame without projector light gives a range map of NaN, not an error.
   /// \param frame 8 or 16 bit, linear in the light, 1 or 3 channels (BGR), of the camera's size.
-  /// \throws InvalidInput if the frame has another size or type, has one channel although the
-  /// pattern has coloured stripes, or shows that two anchors on one surface contradict each other.
+  /// \throws InvalidInput if the frame has another size or type, or has one channel although the
+  /// pattern has coloured stripes.
   [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
   /// The same, reusing the memory of an earlier result: decoding one frame after another allocates
   /// next to nothing. `result` is unchanged if an exception is thrown.

@@ -24,9 +24,8 @@ enum class Reason : std::uint8_t {
   off_panel = 8,         ///< its phase leads to a point that the projector does not light
   grazing = 9,           ///< |dz / dphase| exceeds max_sensitivity
   color_mismatch = 10,   ///< nearby colours contradict the stripes that its depth implies
-  possible_step = 11,    ///< a step of depth may hide between it and the nearest anchor
 };
-inline constexpr int kReasonCount = 12;
+inline constexpr int kReasonCount = 11;
 
 /// The enumerator's name: "unlit", "low_modulation", ...
 [[nodiscard]] std::string_view name(Reason reason);
