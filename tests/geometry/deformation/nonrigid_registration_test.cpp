@@ -209,7 +209,7 @@ TEST(RegisterDeformed, KnowsWhereNothingShowsMotionsAlongTheSurface) {
     EXPECT_LT(along(plate, 1.02, noise), 0.1) << noise;
     EXPECT_LT(along(ellipsoid({90, 90, 90}), 1.05, noise), 0.1) << noise;
     EXPECT_LT(along(ellipsoid({90, 70, 60}), 1.05, noise), 0.2) << noise;
-    EXPECT_GT(along(rest_mesh(), 1.02, noise), 0.6) << noise;
+    EXPECT_GT(along(rest_mesh(), 1.02, noise), 0.5) << noise;
   }
 }
 
