@@ -216,15 +216,16 @@ TEST_F(BadInput, AFrameMayComeThroughAPipe) {
   EXPECT_NE(read_text(kept), "kept");
 }
 
-TEST_F(BadInput, ARigInMetresIsDoubted) {
+TEST_F(BadInput, ARigInMetresIsRefused) {
   train();
   const std::string rig = changed("rig.yaml", "150.0, 165.0, -20.0", "0.150, 0.165, -0.020");
   for (const std::vector<std::string>& call :
        {decode_call(demo("frames/flag_a.png"), rig, demo("pattern.yaml"), scratch / "colors.yaml"),
         std::vector<std::string>{"pattern", "--rig", rig, "-o", scratch / "pattern"}}) {
     const CommandResult result = run_palpate(call);
-    EXPECT_EQ(result.status, kDone) << result.err;
-    EXPECT_NE(result.err.find("rig.yaml: the projector is only 0.224 mm from the camera"),
+    EXPECT_EQ(result.status, kWrongCall) << result.err;
+    EXPECT_NE(result.err.find("rig.yaml: t: the projector is 0.224 mm from the camera, which is "
+                              "impossible; lengths are in mm (223.9 mm if"),
               std::string::npos)
         << result.err;
   }

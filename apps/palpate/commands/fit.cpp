@@ -304,7 +304,7 @@ void add_fit(CLI::App& app, const Settings& settings) {
           "Standard deviation of each component of the measured forces [N], for fields and "
           "friction. Default: estimated from the measurements: what forces that were repeated "
           "show, "
-          "at least 0.3 % of the largest force, and more if that does not explain the errors")
+          "at least 0.4 % of the largest force, and more if that does not explain the errors")
       ->check(within(at_least(0)));
   command
       ->add_option("--probe-radius", call->probe_radius,

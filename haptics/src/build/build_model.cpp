@@ -197,6 +197,7 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
                                       : estimated_force_noise(
                                             samples, repeated_noise(acquisition, source, fit), fit);
   }
+  fit.noise.force = round_to_digits(fit.noise.force, kNoiseDigits);
   result.model.noise =
       MeasurementNoise{.force = fit.noise.force,
                        .displacement = fit.noise.displacement.value_or(kDisplacementNoise)};

@@ -137,8 +137,8 @@ double noise_variance(const MeasurementNoise& noise, const Eigen::Matrix3d& stif
 
 Model with_uncertainty(Model model, std::span<const ForceSamples> samples,
                        const MeasurementNoise& noise) {
-  model.noise = MeasurementNoise{round_to_digits(noise.force, kBetweenDigits),
-                                 round_to_digits(noise.displacement, kBetweenDigits)};
+  model.noise = MeasurementNoise{round_to_digits(noise.force, kNoiseDigits),
+                                 round_to_digits(noise.displacement, kNoiseDigits)};
   const LeftOutBlends blends(model, model.interpolation.rule);
   const BlendedField field(model);
   std::vector<std::optional<LeftOutErrors>> errors(model.contacts.size());

@@ -9,6 +9,9 @@
 
 namespace palpate::haptics {
 
+/// Digits of the noise that a model stores; models are fitted with this noise.
+inline constexpr int kNoiseDigits = 3;
+
 /// Completes what a model says of its errors: learns the part between contacts
 /// (`ContactUncertainty::between`) from how well the samples of each contact are predicted from
 /// those around it. It maximises the likelihood of these errors at a contact and its neighbours,

@@ -9,7 +9,6 @@
 
 #include "fit/field_objective.h"
 #include "palpate/geometry/median.h"
-#include "palpate/haptics/rounding.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::haptics {
@@ -18,13 +17,11 @@ namespace {
 // Least noise, relative to the largest force of a contact. On sheets whose repeated forces scatter
 // by 0.1 %, fields that assume so little take half as many bases again and predict left-out
 // contacts worse (RMS 0.20 instead of 0.18 N).
-constexpr double kLeastNoise = 0.003;
+constexpr double kLeastNoise = 0.004;
 // Contacts that are fitted for the estimate.
 constexpr std::size_t kPilots = 5;
 // The estimate is the least noise times 2^(k / kSteps), with k up to kMostSteps: up to 64 times.
 constexpr int kSteps = 4, kMostSteps = 24;
-// What is estimated is what the model stores.
-constexpr int kNoiseDigits = 3;
 
 // The median over contacts of their largest force.
 double typical_force(const std::vector<ForceSamples>& contacts) {
@@ -53,8 +50,7 @@ double needed_noise(const ForceSamples& pairs, const FitResult& fit, FitOptions 
 
 double estimated_force_noise(const std::vector<ForceSamples>& contacts, double repeated,
                              FitOptions options) {
-  const double least =
-      round_to_digits(std::max(repeated, kLeastNoise * typical_force(contacts)), kNoiseDigits);
+  const double least = std::max(repeated, kLeastNoise * typical_force(contacts));
   if (options.mode != FitMode::convex || options.compare_always || options.accuracy > 0 ||
       options.max_bases || !(least > 0))
     return least;
@@ -73,7 +69,7 @@ double estimated_force_noise(const std::vector<ForceSamples>& contacts, double r
     const FitResult fit = fit_force_field(pairs.displacements, pairs.forces, options);
     needed[p] = fit.stop == FitStop::unexplained ? needed_noise(pairs, fit, options) : least;
   });
-  return round_to_digits(geometry::median(std::move(needed)), kNoiseDigits);
+  return geometry::median(std::move(needed));
 }
 
 }  // namespace palpate::haptics

@@ -10,7 +10,7 @@
 namespace palpate::haptics {
 
 /// [N] The noise of a component of the forces. It is `repeated`, what repeated forces show, but at
-/// least 0.3 % of the largest force of a contact (median), if that explains the errors of most of a
+/// least 0.4 % of the largest force of a contact (median), if that explains the errors of most of a
 /// few contacts that represent all; otherwise the noise that explains those of half of them. With a
 /// limit of accuracy or bases, for computed pairs (`compare_always`) and in other modes than
 /// `convex`, errors are expected: they do not count.

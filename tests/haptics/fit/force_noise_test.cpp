@@ -44,12 +44,12 @@ std::vector<ForceSamples> scaled(std::vector<ForceSamples> contacts, double fact
   return contacts;
 }
 
-// 0.3 % of the median of the largest forces.
+// 0.4 % of the median of the largest forces.
 double least_noise(const std::vector<ForceSamples>& contacts) {
   std::vector<double> largest;
   for (const ForceSamples& contact : contacts)
     largest.push_back(contact.forces.colwise().norm().maxCoeff());
-  return 0.003 * geometry::median(largest);
+  return 0.004 * geometry::median(largest);
 }
 
 TEST(EstimatedForceNoise, ExplainsTheErrorsOfTheFields) {

@@ -54,7 +54,7 @@ struct BuildOptions {
   /// are left out are predicted better without.
   bool estimate_offsets = true;
   /// Estimate the noise of the forces from the measurements, in place of `fit.noise.force` and
-  /// `friction.force_noise`: what forces that were repeated show, at least 0.3 % of the largest
+  /// `friction.force_noise`: what forces that were repeated show, at least 0.4 % of the largest
   /// force, and more if that does not explain the errors. `friction.steady_error` changes in
   /// proportion.
   bool estimate_force_noise = true;

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::probing {
 
 /// [mm] or [N]: nobody measures a longer length or a larger force, and a model file holds no larger
