@@ -149,16 +149,11 @@ Model with_uncertainty(Model model, std::span<const ForceSamples> samples,
   std::vector<double> reaches;
   for (const std::optional<LeftOutErrors>& of_contact : errors)
     if (of_contact && of_contact->reach > 0) reaches.push_back(of_contact->reach);
-  const auto between_at = [](double reach) { return 1 / std::sqrt(geometry::error_growth(reach)); };
   if (reaches.empty()) {
-    // Contacts without others around them do not tell how forces change between places.
-    const double across = between_at(std::pow(geometry::bounding_diagonal(model.surface), 2));
-    for (ContactModel& contact : model.contacts)
-      if (contact.uncertainty)
-        contact.uncertainty->between = round_to_digits(across, kBetweenDigits);
+    for (ContactModel& contact : model.contacts) contact.uncertainty.reset();
     return model;
   }
-  const double unit = between_at(geometry::median(std::move(reaches)));
+  const double unit = 1 / std::sqrt(geometry::error_growth(geometry::median(std::move(reaches))));
   BetweenSearch search{.tried = Losses::Zero(),
                        .losses = std::vector<Losses>(errors.size(), Losses::Zero()),
                        .all = Losses::Zero(),

@@ -15,9 +15,8 @@ inline constexpr int kNoiseDigits = 3;
 /// Completes what a model says of its errors: learns the part between contacts
 /// (`ContactUncertainty::between`) from how well the samples of each contact are predicted from
 /// those around it. It maximises the likelihood of these errors at a contact and its neighbours,
-/// with what is most likely for all contacts as its prior. If no contact has others around it, a
-/// force is taken to be unknown at the distance of the surface's diagonal. The contacts have the
-/// other parts already.
+/// with what is most likely for all contacts as its prior. The contacts have the other parts
+/// already.
 /// \param samples of each contact, in its local frame.
 [[nodiscard]] Model with_uncertainty(Model model, std::span<const ForceSamples> samples,
                                      const MeasurementNoise& noise);

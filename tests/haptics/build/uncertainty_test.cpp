@@ -208,16 +208,6 @@ TEST(WithUncertainty, StatesErrorsWithoutCompliances) {
   EXPECT_LT(ratio, 1.3);
 }
 
-TEST(WithUncertainty, StatesThatForcesAreUnknownFarFromSingleContacts) {
-  Made made = object(Waves(1, 0.2, 15), 1, kNoise);
-  made.model.triangles.resize(3, 0);
-  made.model.surface_weights = {};
-  made.model.contacts.resize(1);
-  made.samples.resize(1);
-  const Model model = with_uncertainty(made.model, made.samples, kNoise);
-  EXPECT_GT(model.contacts[0].uncertainty.value().between, 0);
-}
-
 TEST(LeftOutErrorsOfRules, PreferTheRuleThatTheObjectFollows) {
   // Compliances that change linearly are interpolated exactly, and stiffness then is not.
   Made made = object(Waves(1, 0, 12), 1, kNoise);
