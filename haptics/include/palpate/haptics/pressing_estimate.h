@@ -72,8 +72,8 @@ struct PressingEstimate {
   double force_noise = 0;  ///< [N] of each component: as told, or estimated
   bool noise_was_estimated = false;
   /// Force across the direction of pressing per displacement across, relative to the force along
-  /// per displacement along, > 0: that of a half-space, unless contacts were pressed at an angle and
-  /// resisted it.
+  /// per displacement along, > 0: that of a half-space, unless contacts were pressed at an angle
+  /// and resisted it.
   double lateral_ratio = 0;
   double lateral_ratio_error = 0;
   double length_scale = 0;  ///< [mm] over which stiffness changes along the surface
