@@ -233,7 +233,7 @@ double expected_square(const ScaledSamples& samples, const FitResult& fit,
 // pairs best. The errors of convex fields are those at pairs that were left out: they may have
 // nearly as many parameters as there are numbers. Certified ones have far fewer, and take too long
 // to be fitted again and again. So have convex ones with as many bases as are allowed, if these are
-// few; they err because bases are missing, whatever the noise.
+// few; they err because bases are missing, not because of noise.
 FitResult best_predicting(const ScaledSamples& samples, const FitOptions& options,
                           const FitResult& convex) {
   if (samples.problem.size() < kLeftOutParts) return convex;
