@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+/// The largest number that `Interval::finite` lets pass: products of three numbers stay finite.
+inline constexpr double kLargestNumber = 1e100;
+
 /// A range of numbers. Each end is open or closed; an infinite end that is closed contains
 /// infinity. NaN is in no range.
 ///
@@ -29,10 +32,11 @@ struct Interval {
   /// The same lower end with another upper end.
   [[nodiscard]] constexpr Interval at_most(double end) const { return {low, end, low_open, false}; }
   [[nodiscard]] constexpr Interval below(double end) const { return {low, end, low_open, true}; }
-  /// The same range without infinities.
+  /// The same range without infinities and without numbers beyond `kLargestNumber`.
   [[nodiscard]] constexpr Interval finite() const {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    return {low, high, low_open || low == -kInfinity, high_open || high == kInfinity};
+    return {low == -kInfinity ? -kLargestNumber : low, high == kInfinity ? kLargestNumber : high,
+            low_open, high_open};
   }
 };
 

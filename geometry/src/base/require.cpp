@@ -23,13 +23,13 @@ std::string limit(double value) {
 }  // namespace
 
 std::string to_string(const Interval& range) {
-  const bool from = std::isfinite(range.low);
-  const bool to = std::isfinite(range.high);
+  const bool from = std::abs(range.low) < kLargestNumber;
+  const bool to = std::abs(range.high) < kLargestNumber;
   if (from && to) {
     return fmt::format("in {}{}, {}{}", range.low_open ? '(' : '[', limit(range.low),
                        limit(range.high), range.high_open ? ')' : ']');
   }
-  const bool is_finite = (from || range.low_open) && (to || range.high_open);
+  const bool is_finite = std::isfinite(range.low) && std::isfinite(range.high);
   const char* and_finite = is_finite ? " and finite" : "";
   if (from)
     return fmt::format("{} {}{}", range.low_open ? ">" : ">=", limit(range.low), and_finite);
@@ -40,8 +40,11 @@ std::string to_string(const Interval& range) {
 
 void require(std::string_view name, double value, const Interval& range, std::string_view unit) {
   if (range.contains(value)) return;
-  throw InvalidInput(fmt::format("{} is {}{}{}; it must be {}", name, value,
-                                 unit.empty() ? "" : " ", unit, to_string(range)));
+  const double end = value < 0 ? -range.low : range.high;
+  const bool is_huge = std::isfinite(value) && end == kLargestNumber && std::abs(value) > end;
+  throw InvalidInput(
+      fmt::format("{} is {}{}{}; it must be {}", name, value, unit.empty() ? "" : " ", unit,
+                  is_huge ? fmt::format("at most {} in magnitude", end) : to_string(range)));
 }
 
 void require(std::string_view name, const std::optional<double>& value, const Interval& range,

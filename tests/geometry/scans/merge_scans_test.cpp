@@ -432,7 +432,7 @@ TEST(MergeScans, OfOppositeSidesAreInNoConflict) {
 
 TEST(MergeScans, RefuseASpacingBeyondTheirSize) {
   const std::vector<Scan> scans = {{.mesh = test::icosphere(3, 30)}};
-  for (const double spacing : {104.0, 1e18, 1e155, 1e300}) {
+  for (const double spacing : {104.0, 1e18, 1e99}) {
     EXPECT_THAT([&] { (void)merge_scans(scans, {.spacing = spacing}); },
                 ::testing::ThrowsMessage<InvalidInput>(
                     ::testing::AllOf(::testing::HasSubstr("MergeScansOptions::spacing is"),
