@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,21 +18,10 @@ namespace palpate::probing {
 
 struct MatFile::Content {
   std::string path;
-  MatVariables variables;
+  std::map<std::string, MatArray> variables;
 };
 
 namespace {
-
-std::string read_whole(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    throw FileError(path.string() + ": there is no such file; expected a MAT file");
-  std::ifstream file(path, std::ios::binary);
-  std::string content{std::istreambuf_iterator<char>(file), {}};
-  if (!file.good() && !file.eof()) throw FileError(path.string() + ": cannot be read");
-  if (content.empty()) throw FileError(path.string() + ": the file is empty; expected a MAT file");
-  return content;
-}
 
 /// "data.F(:,2)": the names data and F, and column 2.
 struct MatColumnName {
@@ -101,23 +90,21 @@ std::string list_of_names(const std::map<std::string, MatArray>& arrays) {
 
 const char* words_for(const MatArray& array) {
   switch (array.kind) {
-    case MatClass::cell:
+    case MAT_C_CELL:
       return "a cell array";
-    case MatClass::structure:
+    case MAT_C_STRUCT:
       return "a structure";
-    case MatClass::character:
+    case MAT_C_CHAR:
       return "text";
-    case MatClass::sparse:
+    case MAT_C_SPARSE:
       return "sparse";
     default:
-      return array.kind < MatClass::double_precision || array.kind > MatClass::uint64 ? "an object"
-                                                                                      : "complex";
+      return array.kind < MAT_C_DOUBLE || array.kind > MAT_C_UINT64 ? "an object" : "complex";
   }
 }
 
 bool is_real(const MatArray& array) {
-  return array.kind >= MatClass::double_precision && array.kind <= MatClass::uint64 &&
-         !array.complex;
+  return array.kind >= MAT_C_DOUBLE && array.kind <= MAT_C_UINT64 && !array.complex;
 }
 
 std::string size_in_words(const MatArray& array) {
@@ -140,7 +127,7 @@ struct MatReader::Columns {
   };
 
   const std::string* path = nullptr;
-  const MatVariables* variables = nullptr;
+  const std::map<std::string, MatArray>* variables = nullptr;
   std::vector<std::string> asked;
   std::vector<Source> sources;
   std::size_t rows = 0, row = 0;  // `row` from 1 once there is one
@@ -152,11 +139,11 @@ struct MatReader::Columns {
 
   /// The variable or field of this name; null if there is none.
   [[nodiscard]] const MatArray* find(const MatColumnName& name, const std::string& text) const {
-    const std::map<std::string, MatArray>* fields = &variables->by_name;
+    const std::map<std::string, MatArray>* fields = variables;
     const MatArray* array = nullptr;
     for (const std::string& each : name.names) {
-      if (array != nullptr && (array->kind != MatClass::structure || array->fields.empty())) {
-        refuse(text, array->kind == MatClass::structure
+      if (array != nullptr && (array->kind != MAT_C_STRUCT || array->fields.empty())) {
+        refuse(text, array->kind == MAT_C_STRUCT
                          ? "is in an array of structures (" + size_in_words(*array) +
                                "); put the numbers of all into one matrix"
                          : std::string("is not in a structure: what stands before ." + each +
@@ -177,7 +164,7 @@ struct MatReader::Columns {
     if (array.size.size() != 2)
       refuse(text, "has the size " + size_in_words(array) + "; a column is part of a matrix");
     const std::size_t height = array.size[0], width = array.size[1];
-    std::vector<double> all = numbers_of(array, variables->swapped);
+    const std::vector<double>& all = array.numbers;
     if (name.part == MatColumnName::Part::whole) {
       if (height > 1 && width > 1) {
         const std::string& variable = name.names.back();
@@ -203,7 +190,7 @@ struct MatReader::Columns {
   [[nodiscard]] std::optional<Source> source_of(const std::string& text, bool renamed) const {
     if (renamed) {
       if (text.empty()) return Source{};
-      if (text == kRowNumber && !variables->by_name.contains(text))
+      if (text == kRowNumber && !variables->contains(text))
         return Source{.name = text, .row_number = true};
       if (const auto value = constant_number(text)) return Source{.name = text, .constant = value};
     }
@@ -229,7 +216,7 @@ struct MatReader::Columns {
     if (!source) {
       throw MissingColumn(*path + ": there is no variable '" + name + "'" +
                               (name != column ? " (for " + column + ")" : "") + "; the file has " +
-                              list_of_names(variables->by_name),
+                              list_of_names(*variables),
                           column);
     }
     asked.push_back(column);
@@ -269,8 +256,7 @@ struct MatReader::Columns {
 };
 
 MatFile::MatFile(const std::filesystem::path& path)
-    : content_(std::make_unique<const Content>(
-          Content{path.string(), parse_mat(read_whole(path), path.string())})) {}
+    : content_(std::make_unique<const Content>(Content{path.string(), read_mat(path)})) {}
 MatFile::~MatFile() = default;
 MatFile::MatFile(MatFile&&) noexcept = default;
 MatFile& MatFile::operator=(MatFile&&) noexcept = default;

@@ -11,12 +11,12 @@
 
 namespace palpate::probing {
 
-/// Reads a MAT file of level 5 (MATLAB 5 to 7.2, or `save -v7`; Octave; SciPy), compressed or not,
-/// of either byte order.
+/// Reads a MAT file of version 5 to 7.3 (MATLAB, Octave, SciPy), compressed or not, of either byte
+/// order, with libmatio.
 class MatFile {
  public:
   /// \throws FileError if the file is missing, cut off or damaged; for another version, with the
-  /// command that saves it as level 5.
+  /// command that saves it in a version that is read.
   explicit MatFile(const std::filesystem::path& path);
   ~MatFile();
   MatFile(MatFile&&) noexcept;
