@@ -3,21 +3,17 @@
 """What notebooks show of meshes, range maps and models."""
 from __future__ import annotations
 
-import base64
 import html
 import sys
 from typing import Any
 
 import numpy as np
 
-from . import _pictures
 from ._palpate import Error, Model, RangeMap, TriangleMesh
 
 
-def with_picture(pixels: _pictures.Pixels, words: str) -> str:
-    data = base64.b64encode(_pictures.png(pixels)).decode()
-    caption = html.escape(words).encode("ascii", "xmlcharrefreplace").decode()
-    return f'<figure><img src="data:image/png;base64,{data}"><figcaption>{caption}</figcaption></figure>'
+def paragraph(words: str) -> str:
+    return "<p>" + html.escape(words).encode("ascii", "xmlcharrefreplace").decode() + "</p>"
 
 
 def size_of(mesh: TriangleMesh) -> str:
@@ -29,7 +25,7 @@ def size_of(mesh: TriangleMesh) -> str:
 
 def mesh_html(mesh: TriangleMesh) -> str:
     words = f"{len(mesh.vertices)} vertices, {len(mesh.triangles)} triangles, {size_of(mesh)}"
-    return with_picture(_pictures.surface_pixels(mesh.vertices, mesh.triangles), words)
+    return paragraph(words)
 
 
 def range_map_html(map: RangeMap) -> str:
@@ -37,15 +33,15 @@ def range_map_html(map: RangeMap) -> str:
     known = z[np.isfinite(z)]
     words = f"{z.shape[1]} × {z.shape[0]} pixels, "
     words += f"{len(known)} with a depth, {known.min():.4g} to {known.max():.4g} mm" if len(known) else "none with a depth"
-    return with_picture(_pictures.depth_pixels(z), words)
+    return paragraph(words)
 
 
 def model_html(model: Model) -> str:
-    surface, friction = model.surface, model.friction
-    words = f"{len(model.contacts)} contacts, {size_of(surface)}; friction {friction.min():.2f} to {friction.max():.2f}"
+    friction = model.friction
+    words = f"{len(model.contacts)} contacts, {size_of(model.surface)}; friction {friction.min():.2f} to {friction.max():.2f}"
     if model.unknown_friction:
         words += f", unknown at {model.unknown_friction}"
-    return with_picture(_pictures.surface_pixels(surface.vertices, surface.triangles, model.contacts), words)
+    return paragraph(words)
 
 
 def frame_html(page: str, height: int) -> str:
