@@ -19,6 +19,7 @@ if(PROJECT_IS_TOP_LEVEL)
     set(CMAKE_CXX_COMPILER_LAUNCHER
       ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
     add_compile_options($<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+    add_compile_options("$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
   endif()
   # The package files of PCL name many libraries that nothing here calls.
   add_link_options(-Wl,--as-needed)
@@ -36,7 +37,10 @@ endif()
 # Linked privately by every target of ours; never reaches a user's build.
 add_library(palpate_warnings INTERFACE)
 target_compile_options(palpate_warnings INTERFACE
-  -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion
+  -Wall -Wextra -Wshadow -Wconversion
+  # clang warns of explicit conversions, too, and of the operators that let GCC vectorise a loop.
+  $<$<CXX_COMPILER_ID:GNU>:-Wdouble-promotion>
+  "$<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion;-Wno-bitwise-instead-of-logical;-Wno-bitwise-conditional-parentheses;-Wno-psabi>"
   $<$<BOOL:${PALPATE_WARNINGS_AS_ERRORS}>:-Werror>)
 
 if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_FLAGS MATCHES "fsanitize=[^ ]*address")

@@ -82,8 +82,8 @@ class Splitter {
     if (count == 0) return false;
     // Begin with the split edge where one is split, before the whole one where two are.
     while (count < 3 && (middles[0] == kWhole || (count == 2 && middles[2] != kWhole))) {
-      std::ranges::rotate(corners, corners.begin() + 1);
-      std::ranges::rotate(middles, middles.begin() + 1);
+      std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+      std::rotate(middles.begin(), middles.begin() + 1, middles.end());
     }
     const auto [a, b, c] = corners;
     const auto [ab, bc, ca] = middles;

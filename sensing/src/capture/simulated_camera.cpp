@@ -33,14 +33,17 @@ std::string usual_format(const cv::Mat& image) {
 }  // namespace
 
 CameraClock steady_camera_clock() {
-  using Clock = std::chrono::steady_clock;
-  return {
-      .now = [] { return std::chrono::duration<double>(Clock::now().time_since_epoch()).count(); },
-      .wait_until =
-          [](double time) {
-            std::this_thread::sleep_until(Clock::time_point(
-                std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(time))));
-          }};
+  using SteadyClock = std::chrono::steady_clock;
+  return {.now =
+              [] {
+                return std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count();
+              },
+          .wait_until =
+              [](double time) {
+                std::this_thread::sleep_until(
+                    SteadyClock::time_point(std::chrono::duration_cast<SteadyClock::duration>(
+                        std::chrono::duration<double>(time))));
+              }};
 }
 
 SimulatedCamera::SimulatedCamera(const std::string& name, std::vector<cv::Mat> images,

@@ -77,7 +77,7 @@ PALPATE_HOT_LOOP void find_surface(const SurfaceRow& row, const SurfaceConstants
   // Copies and ivdep, because nothing that is written is read.
   const SurfaceRow r = row;
   const SurfaceConstants c = constants;
-#pragma GCC ivdep
+  PALPATE_INDEPENDENT_PASSES
   for (long i = 0; i < r.columns; ++i) {
     const EpipolarLine line = epipolar_line(r, c, i);
     const float along = along_of_phase(r, c, i);
@@ -90,7 +90,7 @@ PALPATE_HOT_LOOP void find_surface_through_lens(const SurfaceRow& row,
   const SurfaceRow r = row;
   const SurfaceConstants c = constants;
   const auto& [k1, k2, bend_along, bend_across, k3, k4, k5, k6] = c.distortion;
-#pragma GCC ivdep
+  PALPATE_INDEPENDENT_PASSES
   for (long i = 0; i < r.columns; ++i) {
     const EpipolarLine line = epipolar_line(r, c, i);
     const float along = along_of_phase(r, c, i);

@@ -2,6 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+/// Put before a loop whose passes neither read nor write what another pass writes.
+#if defined(__clang__)
+#define PALPATE_INDEPENDENT_PASSES _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define PALPATE_INDEPENDENT_PASSES _Pragma("GCC ivdep")
+#endif
+
 /// Put before a plain function over arrays to compile it once for each generation of processors;
 /// the loader selects one version at run time. Sanitizer and unoptimised builds have one version.
 /// All versions give the same results, because the build forbids fused multiply-add.

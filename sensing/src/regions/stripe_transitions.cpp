@@ -47,7 +47,7 @@ WindowColor window_color(const float* hues, int length, const HueClassifier& cla
 PALPATE_HOT_LOOP void find_steps(const float* hues, const std::uint8_t* lit, float* steps,
                                  long count) {
   constexpr float kHalf = std::numbers::pi_v<float>;
-#pragma GCC ivdep
+  PALPATE_INDEPENDENT_PASSES
   for (long i = 0; i < count; ++i) {
     const float step = std::abs(hues[i + 1] - hues[i]);  // both in [0, 2 pi)
     const float shorter = step > kHalf ? 2 * kHalf - step : step;
