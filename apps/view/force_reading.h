@@ -24,7 +24,7 @@ struct ForceReading {
   geometry::ContactWeights weights;                        ///< of the fields that blend there
 };
 
-/// Zero but for the state's own numbers while the tool is free.
+/// Zero except for the state's own numbers while the tool is free.
 [[nodiscard]] ForceReading read_force(const haptics::BlendedField& field, const FeltTick& tick);
 
 /// What presses of an object are like.

@@ -13,8 +13,8 @@
 namespace palpate::view {
 namespace {
 
-/// A surface of so many vertices is shaded at them: between them nothing differs that is seen, and
-/// a processor without graphics hardware draws it twice as fast.
+/// A surface with this number of vertices is shaded at its vertices: the picture looks the same,
+/// and a processor without graphics hardware draws it twice as fast.
 constexpr Eigen::Index kDense = 30'000;
 
 /// Of the triangles of a dense surface, in its coarse form.

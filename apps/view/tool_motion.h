@@ -58,8 +58,8 @@ class ToolAim {
 ///
 /// A press begins a little above the surface. The tool comes there from aside in one tick. That is
 /// farther than any device moves, so that playback takes it for a fault, forgets the contact, and
-/// begins anew after some ticks (`PlaybackOptions::hold_ticks`); so long the tool waits there.
-/// Equal wishes give equal ways, bit by bit.
+/// starts again after some ticks (`PlaybackOptions::hold_ticks`). The tool waits there for that
+/// time. Equal requests give equal motions, bit by bit.
 class ToolMotion {
  public:
   /// \param diagonal [mm] of the object. \param aside [mm] outside of the object, and farther from

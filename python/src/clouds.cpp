@@ -101,7 +101,7 @@ Raises InvalidInput.)");
         }));
       },
       arg("points"), arg("radius"), arg("neighbours"), kw_only(), arg("progress") = py::none(),
-      R"(Indices of the points that have so many others within the radius [mm], ascending: int32.
+      R"(Indices of the points that have at least this number of others within the radius [mm], ascending: int32.
 
 progress: called as progress(done, total) after each part of the points; Ctrl-C is heard then.
 Raises InvalidInput.)");

@@ -281,7 +281,7 @@ unknown_friction: coefficient of contacts whose friction is unknown.
 largest_jump: [N] by which the force changes in a tick, besides what the stiffness gives.
 start_depth: [mm] a tool that is this far inside at the start touches the nearest point.
 longest_step: [mm] a longer movement in one tick is taken for a fault.
-hold_ticks: so many faulty ticks keep the contact while the force decays.
+hold_ticks: number of faulty ticks for which the contact is kept while the force decays.
 Raises InvalidInput.)")
       .def(
           "step",

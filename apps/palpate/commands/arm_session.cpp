@@ -64,7 +64,7 @@ bool is_of_a_sample(const probing::AppliedForce& force, const probing::TrialReco
 std::vector<probing::AppliedForce> applied_forces(CampaignArm& arm,
                                                   const probing::CampaignOptions& options,
                                                   const std::vector<probing::TrialRecord>& trials) {
-  constexpr std::size_t kMostTrials = 300;  // a replay of so many takes seconds
+  constexpr std::size_t kMostTrials = 300;  // replaying this number takes seconds
   const probing::ArmProber& prober = *arm.prober();
   if (!prober.arm().description().measures_reference) return {};
   std::vector<probing::AppliedForce> forces;

@@ -27,11 +27,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// From so many poses on the rig is calibrated after each of them, to see what is still uncertain.
+/// From this number of poses on, the rig is calibrated after each, to see what is still uncertain.
 constexpr std::size_t kFirstCalibration = 4;
 /// Fewer corners or lit points of a pose do not count in a calibration.
 constexpr Eigen::Index kLeastPoints = 8;
-/// So many are enough if nothing is uncertain.
+/// This number of poses is enough if nothing is uncertain.
 constexpr std::size_t kEnoughPoses = 10;
 
 /// Poses that determine a rig, until its calibration itself says what is missing.

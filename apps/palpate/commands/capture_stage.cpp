@@ -89,7 +89,7 @@ void Stage::warn_of_clipping() const {
   if (most_clipped_ <= kMostClipped) return;
   spdlog::warn(
       "{:.0f} % of the values under {} are at full scale: what they would be is not known. Take "
-      "the images anew with a shorter --exposure",
+      "the images again with a shorter --exposure",
       100 * most_clipped_, brightest_);
 }
 

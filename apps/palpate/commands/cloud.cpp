@@ -137,12 +137,13 @@ void add_finding_steps(CLI::App& command, CloudCall& call) {
 }
 
 void add_measuring_steps(CLI::App& command, CloudCall& call) {
-  add_step(command, call, "--normals", "INT",
-           "Find normals from so many neighbours (16 is usual); they point to the camera of range "
-           "maps or the --viewpoint, otherwise outwards",
-           [](WorkedCloud& worked, const Value& value, const CloudSettings& settings) {
-             find_normals(worked, static_cast<int>(number_of(value)), settings);
-           })
+  add_step(
+      command, call, "--normals", "INT",
+      "Find normals from this number of neighbours (usually 16); they point to the camera of range "
+      "maps or the --viewpoint, otherwise outwards",
+      [](WorkedCloud& worked, const Value& value, const CloudSettings& settings) {
+        find_normals(worked, static_cast<int>(number_of(value)), settings);
+      })
       ->check(list_of_numbers(
           [](const std::vector<double>& numbers) {
             return numbers.size() == 1 && numbers[0] >= 3 &&

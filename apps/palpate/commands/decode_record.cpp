@@ -29,7 +29,7 @@ constexpr const char* kDecodeTable = "frames.csv";
 constexpr const char* kDecodeRecord = "frames of palpate decode";
 
 /// What the user can do without the record, for messages.
-constexpr const char* kDecodeRemedy = "Leave out --resume to decode all frames anew";
+constexpr const char* kDecodeRemedy = "Leave out --resume to decode all frames again";
 
 Json to_json(const sensing::DecodeEvidence& evidence) {
   return {{"edges", evidence.edges},
@@ -99,7 +99,7 @@ FinishedFrame finished_frame(const Json& json) {
 
 using FinishedFrames = std::map<std::size_t, FinishedFrame>;
 
-/// The frames in a record, by number. A frame that was decoded anew has two lines.
+/// The frames in a record, by number. A frame that was decoded again has two lines.
 /// \throws nlohmann::json::exception if an item is not a frame.
 FinishedFrames frames_of(const RunRecord& record) {
   FinishedFrames frames;

@@ -16,8 +16,8 @@ void check_coordinates(const std::filesystem::path& path, const geometry::PointC
 /// Describes points: how many, where, how far from each other, and what is known of each.
 [[nodiscard]] Description describe_cloud(const geometry::PointCloud& cloud);
 
-/// "X 0.0 to 10.0, Y -3.5 to 2.0, Z 500.0 to 510.0 mm": with so many decimals that the diagonal has
-/// three digits, but at least one.
+/// "X 0.0 to 10.0, Y -3.5 to 2.0, Z 500.0 to 510.0 mm": with enough decimals to give the diagonal
+/// three digits, at least one.
 [[nodiscard]] std::string in_words(const Eigen::AlignedBox3d& box);
 
 }  // namespace palpate::apps

@@ -27,7 +27,7 @@ constexpr const char* kFitRecord = "fits of palpate fit";
 constexpr int kVersion = 3;
 
 /// What a run without --resume would do, for messages.
-constexpr const char* kAnew = "Leave out --resume to fit all contacts anew";
+constexpr const char* kAnew = "Leave out --resume to fit all contacts again";
 
 // JSON has no infinity and no NaN, which a figure of a fit may be.
 Json number(double value) {

@@ -137,7 +137,7 @@ class MovingCampaignArm final : public CampaignArm {
     prober_.emplace(*used, options_, &stop_);
   }
 
-  /// Goes on after the trials that left `memory`, unless gravity was measured anew.
+  /// Goes on after the trials that left `memory`, unless gravity was measured again.
   void remember(const Json& memory) {
     if (!remembers()) return;
     probing::Arm* used = recorder_ ? static_cast<probing::Arm*>(&*recorder_) : arm_.get();
@@ -179,7 +179,7 @@ class MovingCampaignArm final : public CampaignArm {
   }
 
  private:
-  /// A device may have been moved or warmed up since: it measures gravity anew, and so does its
+  /// A device may have been moved or warmed up since: it measures gravity again, and so does its
   /// replay. Only a virtual arm, which has a specimen, goes on with what it measured before.
   bool remembers() const { return simulated_ != nullptr || (is_replay_ && specimen_); }
 

@@ -44,7 +44,7 @@ std::optional<geometry::TriangleMesh> planned_surface(const probing::ContactPlan
   if (probing::surface_fingerprint(surface) != plan.surface) {
     throw InvalidInput(
         fmt::format("{}: the plan {} is of another surface; give the one it was made of, or plan "
-                    "anew",
+                    "again",
                     surface_path.string(), plan_path.string()));
   }
   return surface;

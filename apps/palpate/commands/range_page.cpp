@@ -31,7 +31,7 @@ constexpr double kStepOfSigma = 0.1;
 constexpr double kStepOfDepth = 1e-5;
 /// Deviations are rounded to powers of exp(0.02), so that they change by at most 1 %.
 constexpr double kStepOfLogSigma = 0.02;
-/// Rays are given at about so many points of a grid. Between them the page interpolates: with a
+/// Rays are given at about this number of grid points. Between them the page interpolates: with a
 /// lens of 50 degrees and k1 = -0.21 this moves points by 1.3e-5 of their depth.
 constexpr double kRayCount = 10'000;
 /// Of tangents; 2e-6 is 1.4 um at 700 mm. Rays of more than 83 degrees are left out.

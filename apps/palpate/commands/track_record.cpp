@@ -24,7 +24,7 @@ constexpr const char* kTrackFile = "track.jsonl";
 constexpr const char* kTrackRecord = "frames of palpate track";
 
 /// What the user can do without the record, for messages.
-constexpr const char* kTrackRemedy = "Leave out --resume to track all frames anew";
+constexpr const char* kTrackRemedy = "Leave out --resume to track all frames again";
 
 TrackedFrame tracked_frame(const Json& json) {
   TrackedFrame frame{
