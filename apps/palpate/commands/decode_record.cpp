@@ -31,6 +31,22 @@ constexpr const char* kDecodeRecord = "frames of palpate decode";
 /// What the user can do without the record, for messages.
 constexpr const char* kDecodeRemedy = "Leave out --resume to decode all frames again";
 
+Json to_json(const sensing::DepthTrend& trend) {
+  return {{"edges", trend.edges},
+          {"disparity", trend.disparity},
+          {"disparity_squares", trend.disparity_squares},
+          {"shift", trend.shift},
+          {"products", trend.products}};
+}
+
+sensing::DepthTrend trend_of(const Json& json) {
+  return {.edges = json.at("edges"),
+          .disparity = json.at("disparity"),
+          .disparity_squares = json.at("disparity_squares"),
+          .shift = json.at("shift"),
+          .products = json.at("products")};
+}
+
 Json to_json(const sensing::DecodeEvidence& evidence) {
   return {{"edges", evidence.edges},
           {"off_panel", evidence.off_panel},
@@ -39,6 +55,8 @@ Json to_json(const sensing::DecodeEvidence& evidence) {
           {"shift", evidence.shift},
           {"steady_edges", evidence.steady_edges},
           {"displaced_edges", evidence.displaced_edges},
+          {"rows", evidence.rows},
+          {"trend", to_json(evidence.trend)},
           {"neighbours", evidence.neighbours},
           {"smoothness", evidence.smoothness},
           {"explained", evidence.explained},
@@ -62,6 +80,8 @@ sensing::DecodeEvidence evidence_of(const Json& json) {
   json.at("shift").get_to(evidence.shift);
   json.at("steady_edges").get_to(evidence.steady_edges);
   json.at("displaced_edges").get_to(evidence.displaced_edges);
+  json.at("rows").get_to(evidence.rows);
+  evidence.trend = trend_of(json.at("trend"));
   json.at("neighbours").get_to(evidence.neighbours);
   json.at("smoothness").get_to(evidence.smoothness);
   json.at("explained").get_to(evidence.explained);

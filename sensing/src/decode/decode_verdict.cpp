@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 namespace palpate::sensing {
@@ -27,6 +28,24 @@ constexpr double kLeastAgreement = 0.45;
 constexpr double kLikely = 0.65;
 /// More than this share of the edges in steady parts of the frame must not be displaced.
 constexpr double kMostDisplaced = 0.5;
+
+/// On coloured surfaces parts of the frame are displaced with the right rig too, so they are looked
+/// at iff at least this share of the hues are trained ones.
+constexpr double kLeastTrainedParts = 0.6;
+/// Successive bands of rows do not fit iff more than kMostDisplaced of their edges are displaced,
+/// and at least this share of the frame's edges is theirs. A lens whose colours part displaces
+/// fewer at the border of the image.
+constexpr double kLeastTorn = 0.2;
+/// The other rows fit iff less than this share of their edges is displaced, and they have at least
+/// this share of all: a wrong rig fits along a line.
+constexpr double kFewDisplaced = 0.2;
+constexpr double kLeastOthers = 1.0 / 3;
+
+/// The shift must not change by more than this [px] from one deviation of the disparity below its
+/// mean to one above: twice what blur and the colours of a lens make of it.
+constexpr double kMostTrend = 0.35;
+/// Beyond this slope [px/px], it is the noise of the depths that changes the shift.
+constexpr double kSteepestTrend = 0.5;
 
 /// A surface is coloured iff one channel returns this many times the light of another.
 constexpr double kColored = 3.5;
@@ -50,6 +69,10 @@ constexpr double kSmooth = 0.7;
 /// `part` of `all`; 0 of nothing.
 double share(double part, long all) { return part / static_cast<double>(std::max(all, 1L)); }
 double share(long part, long all) { return share(static_cast<double>(part), all); }
+
+long sum(const std::array<long, kRowBands>& bands) {
+  return std::accumulate(bands.begin(), bands.end(), 0L);
+}
 
 /// What a swap in the trained colours, or in the frames, would look like.
 DecodeJudgement swapped(const char* channels, const DecodeEvidence& evidence, double agreement) {
@@ -113,8 +136,58 @@ std::optional<DecodeJudgement> explain(const DecodeEvidence& evidence) {
                         with_it);
 }
 
+/// Bands of rows [first, last).
+struct Bands {
+  int first = 0;
+  int last = 0;
+};
+
+/// The bands in which most edges are displaced, if there are enough to tell.
+std::optional<Bands> displaced_bands(const DecodeEvidence& evidence) {
+  const double least =
+      std::max<double>(kLeastEdges, kLeastTorn * static_cast<double>(sum(evidence.steady_edges)));
+  std::optional<Bands> found;
+  double most = 0;
+  for (int first = 0; first < kRowBands; ++first) {
+    double steady = 0, displaced = 0;
+    for (int band = first; band < kRowBands; ++band) {
+      steady += static_cast<double>(evidence.steady_edges[static_cast<std::size_t>(band)]);
+      displaced += static_cast<double>(evidence.displaced_edges[static_cast<std::size_t>(band)]);
+      const double excess = displaced - kMostDisplaced * steady;
+      if (steady < least || excess <= most) continue;
+      most = excess;
+      found = Bands{first, band + 1};
+    }
+  }
+  return found;
+}
+
+/// Whether the frame fits outside these bands.
+bool others_fit(const DecodeEvidence& evidence, const Bands& bands) {
+  long steady = 0, displaced = 0;
+  for (int band = 0; band < kRowBands; ++band) {
+    if (band >= bands.first && band < bands.last) continue;
+    steady += evidence.steady_edges[static_cast<std::size_t>(band)];
+    displaced += evidence.displaced_edges[static_cast<std::size_t>(band)];
+  }
+  return share(steady, sum(evidence.steady_edges)) >= kLeastOthers &&
+         share(displaced, steady) < kFewDisplaced;
+}
+
+DecodeJudgement torn(const DecodeEvidence& evidence, const Bands& bands) {
+  return {DecodeVerdict::torn_frames,
+          fmt::format("rows {} to {} do not fit the pattern, although most others do: the sinusoid "
+                      "is away from where the stripes put it. Rows were lost or shifted in "
+                      "transfer (check cable, bandwidth and buffers, and record again), or the "
+                      "scene moved while these rows were exposed",
+                      bands.first * evidence.rows / kRowBands,
+                      bands.last * evidence.rows / kRowBands - 1)};
+}
+
 /// What makes the phases differ if no simple exchange does.
 DecodeJudgement judge_shift(const DecodeEvidence& evidence) {
+  const auto bands = displaced_bands(evidence);
+  if (bands && others_fit(evidence, *bands)) return torn(evidence, *bands);
   const double smooth = share(evidence.smoothness, evidence.neighbours);
   const double turns = std::atan2(evidence.shift, evidence.agreement) / (2 * std::numbers::pi);
   if (agreement_of_shift(evidence) >= kAlike) {
@@ -134,6 +207,25 @@ DecodeJudgement judge_shift(const DecodeEvidence& evidence) {
   return {DecodeVerdict::wrong_pattern,
           "stripes and sinusoid have nothing to do with each other: pattern or rig belong to "
           "another projector, or the trained colours to another camera"};
+}
+
+/// How much the shift of the edges against the sinusoid changes between near and far parts [px].
+double change_with_depth(const DepthTrend& trend) {
+  if (trend.edges < kLeastEdges) return 0;
+  const auto edges = static_cast<double>(trend.edges);
+  const double mean = trend.disparity / edges;
+  const double variance = trend.disparity_squares / edges - mean * mean;
+  const double covariance = trend.products / edges - mean * trend.shift / edges;
+  if (!(variance > 0) || std::abs(covariance) > kSteepestTrend * variance) return 0;
+  return 2 * std::abs(covariance) / std::sqrt(variance);
+}
+
+DecodeJudgement wrong_depths(double change) {
+  return {DecodeVerdict::wrong_rig,
+          fmt::format("stripes and sinusoid move against each other by {:.2f} px between near and "
+                      "far parts of what is seen: the baseline of the rig seems to be another (has "
+                      "camera or projector moved?), or a focal length is",
+                      change)};
 }
 
 /// Whether rows are exchanged or doubled, as in interlaced video.
@@ -159,14 +251,27 @@ std::string few_edges(const DecodeEvidence& evidence) {
 
 }  // namespace
 
+DepthTrend& DepthTrend::operator+=(const DepthTrend& other) {
+  edges += other.edges;
+  disparity += other.disparity;
+  disparity_squares += other.disparity_squares;
+  shift += other.shift;
+  products += other.products;
+  return *this;
+}
+
 DecodeEvidence& DecodeEvidence::operator+=(const DecodeEvidence& other) {
   edges += other.edges;
   off_panel += other.off_panel;
   stripe_edges += other.stripe_edges;
   agreement += other.agreement;
   shift += other.shift;
-  steady_edges += other.steady_edges;
-  displaced_edges += other.displaced_edges;
+  for (std::size_t i = 0; i < steady_edges.size(); ++i) {
+    steady_edges[i] += other.steady_edges[i];
+    displaced_edges[i] += other.displaced_edges[i];
+  }
+  rows = std::max(rows, other.rows);
+  trend += other.trend;
   neighbours += other.neighbours;
   smoothness += other.smoothness;
   for (std::size_t i = 0; i < explained.size(); ++i) explained[i] += other.explained[i];
@@ -221,8 +326,15 @@ DecodeJudgement judge(const DecodeEvidence& evidence) {
     const auto explanation = explain(evidence);
     return explanation ? *explanation : judge_shift(evidence);
   }
-  if (share(evidence.displaced_edges, evidence.steady_edges) > kMostDisplaced) {
+  if (share(sum(evidence.displaced_edges), sum(evidence.steady_edges)) > kMostDisplaced) {
     return judge_shift(evidence);
+  }
+  if (trained >= kLeastTrainedParts) {
+    const auto bands = displaced_bands(evidence);
+    if (bands && others_fit(evidence, *bands)) return torn(evidence, *bands);
+    const double change = change_with_depth(evidence.trend);
+    if (change > kMostTrend) return wrong_depths(change);
+    if (bands) return torn(evidence, *bands);
   }
   return {DecodeVerdict::accepted,
           fmt::format("stripes and sinusoid agree by {:.0f} % at {} readings of stripe edges",
@@ -243,6 +355,8 @@ const char* to_string(DecodeVerdict verdict) {
       return "turned_frames";
     case DecodeVerdict::wrong_rows:
       return "wrong_rows";
+    case DecodeVerdict::torn_frames:
+      return "torn_frames";
     case DecodeVerdict::reversed_stripes:
       return "reversed_stripes";
     case DecodeVerdict::shifted_sinusoid:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "decode/light_evidence.h"
 #include "image/hue.h"
@@ -32,16 +33,19 @@ constexpr double kSameColor = 0.2;
 /// degrees.
 constexpr double kFittingHues = 0.7;
 
-/// In a part of the frame, of which there are kPartRows x kPartColumns, d is about the same iff the
+/// In a part of the frame, of which there are kRowBands x kPartColumns, d is about the same iff the
 /// mean of exp(2 pi i d) is at least kSteady long; with fewer than kLeastInPart edges that says
 /// nothing.
-constexpr long kPartRows = 6;
-constexpr long kPartColumns = 8;
+constexpr long kPartColumns = 4;
 constexpr double kSteady = 0.6;
 constexpr long kLeastInPart = 8;
 /// Stripe edges are displaced by more than this [px] on average neither by blur nor by lenses whose
 /// colours part.
 constexpr double kDisplaced = 0.35;
+
+/// Periods off beyond which an edge says nothing of a trend: it was misread, or a whole period is
+/// as likely.
+constexpr double kTrendTurns = 0.25;
 
 /// With fewer stripe edges than these, the sinusoid may run the other way, which takes a
 /// millisecond to see.
@@ -78,8 +82,7 @@ double hue_fit(const std::vector<PatternColor>& colors, const std::vector<HueSpr
   return sum / static_cast<double>(colors.size());
 }
 
-/// Distance by which a stripe edge moves in the image if its depth changes by that of a period.
-double period_in_pixels(const DecoderGeometry& model) {
+EdgeMotion edge_motion(const DecoderGeometry& model) {
   constexpr double kSmallStep = 1e-3;  // of the depth
   const Triangulation triangulation(model.rig());
   const int axis = model.pattern().axis == Axis::x ? 0 : 1;
@@ -93,7 +96,9 @@ double period_in_pixels(const DecoderGeometry& model) {
   const Eigen::Vector2d moved = project(0, 0, z * (1 + kSmallStep)) - project(0, 0, z);
   const Eigen::Vector2d beside = project(transposed ? 0 : 1, transposed ? 1 : 0, z);
   const double across_per_pixel = beside[1 - axis] - project(0, 0, z)[1 - axis];
-  return std::abs(model.pattern().period * moved[1 - axis] / (moved[axis] * across_per_pixel));
+  const double edge_moves = std::abs(moved[1 - axis] / across_per_pixel);
+  const double periods = std::abs(moved[axis]) / model.pattern().period;
+  return {.per_period = edge_moves / periods, .disparity = edge_moves / kSmallStep * z};
 }
 
 /// Sums over the stripe edges in a part of the frame, of cos(2 pi d) and sin(2 pi d).
@@ -112,9 +117,7 @@ double turns_apart(const Regions& regions, const PhaseGuess& guess) {
 }  // namespace
 
 EvidenceFinder::EvidenceFinder(const DecoderGeometry& model, const TrainedColors& colors)
-    : stripes_(model.pattern().stripes),
-      by_colors_(model.pattern()),
-      period_px_(period_in_pixels(model)) {
+    : stripes_(model.pattern().stripes), by_colors_(model.pattern()), motion_(edge_motion(model)) {
   const Pattern& pattern = model.pattern();
   const std::vector<HueSpread> trained = trained_hues(pattern, colors);
   colors_fit_ = hue_fit(pattern.colors, trained) >= kFittingHues;
@@ -243,20 +246,27 @@ void EvidenceFinder::compare(const std::vector<Transition>& edges, const Workspa
   evidence.edges = static_cast<long>(comparisons.size());
   evidence.off_panel = static_cast<long>(edges.size() - comparisons.size());
   std::set<int> different;
-  std::array<Part, kPartRows * kPartColumns> parts{};
+  std::array<std::array<Part, kPartColumns>, kRowBands> bands{};
+  // In the frame, not in the working image, because it is its rows that are lost or shifted.
+  const bool transposed = whole.carrier().transposed;
+  const long rows = transposed ? whole.columns() : whole.rows();
+  const long columns = transposed ? whole.rows() : whole.columns();
+  evidence.rows = work.full_size.empty() ? rows : 2 * rows;
   const Comparison* last = nullptr;
   for (const Comparison& one : comparisons) {
     const double cosine = std::cos(kFullTurn * one.turns);
     const double sine = std::sin(kFullTurn * one.turns);
-    const long row = (work.part.row + one.row) * kPartRows / whole.rows();
-    const long column = (work.part.column + one.column) * kPartColumns / whole.columns();
-    Part& part = parts[static_cast<std::size_t>(row * kPartColumns + column)];
+    long row = work.part.row + one.row, column = work.part.column + one.column;
+    if (transposed) std::swap(row, column);
+    Part& part = bands[static_cast<std::size_t>(row * kRowBands / rows)]
+                      [static_cast<std::size_t>(column * kPartColumns / columns)];
     part.cosine += cosine;
     part.sine += sine;
     ++part.edges;
     evidence.agreement += cosine;
     evidence.shift += sine;
     different.insert(one.edge);
+    add_to_trend(one, static_cast<double>(work.surfaces.z(one.row, one.column)), evidence.trend);
     const auto label = [&](const Comparison& at) { return work.regions.label(at.row, at.column); };
     if (last != nullptr && last->row == one.row && label(*last) == label(one)) {
       ++evidence.neighbours;
@@ -265,15 +275,29 @@ void EvidenceFinder::compare(const std::vector<Transition>& edges, const Workspa
     last = &one;
   }
   evidence.stripe_edges = static_cast<long>(different.size());
-  for (const Part& part : parts) {
-    const auto edges_in_part = static_cast<double>(part.edges);
-    if (part.edges < kLeastInPart || std::hypot(part.cosine, part.sine) < kSteady * edges_in_part) {
-      continue;
+  for (std::size_t band = 0; band < bands.size(); ++band) {
+    for (const Part& part : bands[band]) {
+      const auto edges_in_part = static_cast<double>(part.edges);
+      const bool steady = std::hypot(part.cosine, part.sine) >= kSteady * edges_in_part;
+      if (part.edges < kLeastInPart || !steady) continue;
+      evidence.steady_edges[band] += part.edges;
+      const double turns = std::atan2(part.sine, part.cosine) / kFullTurn;
+      if (std::abs(turns) * motion_.per_period > kDisplaced)
+        evidence.displaced_edges[band] += part.edges;
     }
-    evidence.steady_edges += part.edges;
-    const double turns = std::atan2(part.sine, part.cosine) / kFullTurn;
-    if (std::abs(turns) * period_px_ > kDisplaced) evidence.displaced_edges += part.edges;
   }
+}
+
+void EvidenceFinder::add_to_trend(const Comparison& one, double z, DepthTrend& trend) const {
+  const double turns = one.turns - std::round(one.turns);
+  if (!(z > 0) || std::abs(turns) > kTrendTurns) return;
+  const double disparity = motion_.disparity / z;
+  const double shift = turns * motion_.per_period;
+  trend += {.edges = 1,
+            .disparity = disparity,
+            .disparity_squares = disparity * disparity,
+            .shift = shift,
+            .products = disparity * shift};
 }
 
 double EvidenceFinder::explained(const std::vector<Transition>& edges, const Change& change,

@@ -15,6 +15,13 @@
 
 namespace palpate::sensing {
 
+/// How the depth moves stripe edges in the image.
+struct EdgeMotion {
+  double per_period = 0;  ///< [px] for a depth that changes the sinusoid by a period
+  double disparity =
+      0;  ///< [px mm] times the inverse depth: the distance from the edge at infinity
+};
+
 /// Collects what a decoded frame tells of its rig, pattern and colours.
 class EvidenceFinder {
  public:
@@ -60,6 +67,8 @@ class EvidenceFinder {
                                                  const DecoderGeometry& whole) const;
   void compare(const std::vector<Transition>& edges, const Workspace& work,
                const DecoderGeometry& whole, DecodeEvidence& evidence) const;
+  /// \param z [mm] there; NaN where unknown.
+  void add_to_trend(const Comparison& one, double z, DepthTrend& trend) const;
   [[nodiscard]] double explained(const std::vector<Transition>& edges, const Change& change,
                                  const Workspace& work, const DecoderGeometry& whole) const;
 
@@ -69,7 +78,7 @@ class EvidenceFinder {
   std::array<std::uint8_t, HueClassifier::kSteps> trained_{};  ///< 1 where a hue is one of them
   std::array<Change, kFrameExplanations> changes_;
   bool colors_fit_ = true;
-  double period_px_ = 0;
+  EdgeMotion motion_;
 };
 
 }  // namespace palpate::sensing

@@ -40,12 +40,23 @@ Fault moved(const char* name, const Move& move) {
           }};
 }
 
-/// The same for affine maps; the frame is interpolated, the truth is not.
+/// An affine map; the frame is interpolated, the truth is not.
+void warp(const cv::Mat& in, const cv::Matx23d& map, cv::Mat& out) {
+  const int how = in.channels() == 3 ? cv::INTER_LINEAR : cv::INTER_NEAREST;
+  const cv::Scalar beyond = in.depth() == CV_32F ? cv::Scalar::all(std::nan("")) : cv::Scalar();
+  cv::warpAffine(in, out, map, in.size(), how, cv::BORDER_CONSTANT, beyond);
+}
+
 Fault warped(const char* name, const cv::Matx23d& map) {
-  return moved(name, [map](const cv::Mat& in, cv::Mat& out) {
-    const int how = in.channels() == 3 ? cv::INTER_LINEAR : cv::INTER_NEAREST;
-    const cv::Scalar beyond = in.depth() == CV_32F ? cv::Scalar::all(std::nan("")) : cv::Scalar();
-    cv::warpAffine(in, out, map, in.size(), how, cv::BORDER_CONSTANT, beyond);
+  return moved(name, [map](const cv::Mat& in, cv::Mat& out) { warp(in, map, out); });
+}
+
+/// From the middle row on, the frame is shifted, as by a transfer that loses data.
+Fault torn(const char* name, double columns, double rows) {
+  return moved(name, [columns, rows](const cv::Mat& in, cv::Mat& out) {
+    warp(in, {1, 0, columns, 0, 1, rows}, out);
+    const cv::Range upper(0, in.rows / 2);
+    in.rowRange(upper).copyTo(out.rowRange(upper));
   });
 }
 
@@ -139,6 +150,8 @@ std::vector<Fault> faults_of_frames() {
       warped("scaled by 1.05", {1.05, 0, -16, 0, 1.05, -12}),
       warped("shifted by 10 px", {1, 0, 10, 0, 1, 0}),
       warped("shifted by 10 rows", {1, 0, 0, 0, 1, 10}),
+      torn("lower half shifted by 20 px", 20, 0),
+      torn("lower half shifted by 7 rows", 0, 7),
       recolored("negative", [](const cv::Mat& in, cv::Mat& out) { cv::bitwise_not(in, out); }),
       recolored("gamma 2.2", [](const cv::Mat& in, cv::Mat& out) { out = power(in, 1 / 2.2); }),
   };

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <numeric>
 #include <opencv2/core/utility.hpp>
 
 #include "faults.h"
@@ -52,6 +53,9 @@ struct Result {
 
 Said said_of(const std::string& name, const sensing::DecodeEvidence& evidence) {
   const sensing::DecodeJudgement judgement = sensing::judge(evidence);
+  const auto sum = [](const auto& bands) {
+    return std::accumulate(bands.begin(), bands.end(), 0.0);
+  };
   const auto percent = [](double part, long whole) {
     return 100 * part / static_cast<double>(std::max(whole, 1L));
   };
@@ -61,7 +65,7 @@ Said said_of(const std::string& name, const sensing::DecodeEvidence& evidence) {
       .told = !judgement.usable(),
       .judged = judgement.verdict != DecodeVerdict::too_little,
       .agreement = percent(evidence.agreement, evidence.edges + evidence.off_panel),
-      .displaced = percent(static_cast<double>(evidence.displaced_edges), evidence.steady_edges)};
+      .displaced = percent(sum(evidence.displaced_edges), std::lround(sum(evidence.steady_edges)))};
 }
 
 void measure_depths(const View& view, const sensing::DecodeResult& result, Said& said) {

@@ -60,6 +60,15 @@ void take_rows(cv::Mat& frame, const std::function<int(int)>& from) {
   for (int row = 0; row < frame.rows; ++row) before.row(from(row)).copyTo(frame.row(row));
 }
 
+/// Shifts the rows from `first` on to the right, as if data were lost in transfer.
+void tear(cv::Mat& frame, int first, int columns) {
+  const cv::Mat before = frame.clone();
+  const cv::Range rows(first, frame.rows);
+  const int kept = frame.cols - columns;
+  before(rows, {0, kept}).copyTo(frame(rows, {columns, frame.cols}));
+  before(rows, {kept, frame.cols}).copyTo(frame(rows, {0, columns}));
+}
+
 /// Multiplies red, green, blue.
 void paint(cv::Mat& frame, const Eigen::Vector3d& reflectance) {
   cv::multiply(frame, cv::Scalar(reflectance.z(), reflectance.y(), reflectance.x()), frame);
@@ -146,6 +155,69 @@ const Fault kFaults[] = {
 };
 INSTANTIATE_TEST_SUITE_P(All, DecodeVerdictOfFaults, ::testing::ValuesIn(kFaults),
                          [](const auto& test) { return test.param.name; });
+
+TEST(DecodeVerdict, NamesTheRowsOfATornFrame) {
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    for (const int columns : {3, 10}) {
+      Inputs inputs{.pattern = make_pattern(axis, 20, axis == Axis::x ? 768 : 1024), .frame = {}};
+      inputs.frame = render(inputs.rig, inputs.pattern, usual_surface()).frame;
+      add_noise(inputs.frame, 0.005, 1);
+      tear(inputs.frame, 160, columns);
+      const DecodeJudgement judgement = judgement_of(inputs);
+      EXPECT_EQ(judgement.verdict, DecodeVerdict::torn_frames)
+          << (axis == Axis::x ? 'x' : 'y') << columns << ' ' << judgement.reason;
+      EXPECT_NE(judgement.reason.find("rows 160 to 239"), std::string::npos) << judgement.reason;
+    }
+  }
+}
+
+// 20 px are three periods: stripes and sinusoid agree on both sides, as at a step of depth.
+TEST(DecodeVerdict, CannotNoticeATearByWholePeriods) {
+  Inputs inputs;
+  inputs.rig.T_projector_camera.translation().z() = 0;
+  inputs.frame = render(inputs.rig, inputs.pattern, plane({0, 0, 1}, 740)).frame;
+  tear(inputs.frame, 160, 20);
+  EXPECT_EQ(judgement_of(inputs).verdict, DecodeVerdict::accepted);
+}
+
+/// A rig in which a baseline 10 mm off along x shifts the sinusoid by a period at this depth.
+Inputs rig_with_whole_period_at(double z) {
+  Inputs inputs;
+  inputs.rig.T_projector_camera.translation().z() = 0;
+  const Eigen::Vector3d& t = inputs.rig.T_projector_camera.translation();
+  inputs.pattern.period = inputs.rig.projector.fy * t.y() / z * 10 / (t.x() + 10);
+  return inputs;
+}
+
+DecodeEvidence seen(Inputs inputs, const Surface& surface, double baseline_off) {
+  inputs.frame = render(inputs.rig, inputs.pattern, surface).frame;
+  add_noise(inputs.frame, 0.005, 1);
+  inputs.rig.T_projector_camera.translation().x() += baseline_off;
+  return evidence_of(inputs);
+}
+
+// At most places the shift is close to a whole period, but it depends on the depth.
+TEST(DecodeVerdict, TellsAWrongBaselineFromHowTheShiftDependsOnTheDepth) {
+  const Inputs inputs = rig_with_whole_period_at(825);
+  const Surface slope = plane({0.25, 0, 1}, 825);
+  EXPECT_EQ(judge(seen(inputs, slope, 0)).verdict, DecodeVerdict::accepted);
+  const DecodeJudgement judgement = judge(seen(inputs, slope, 10));
+  EXPECT_EQ(judgement.verdict, DecodeVerdict::wrong_rig) << judgement.reason;
+  EXPECT_NE(judgement.reason.find("baseline"), std::string::npos) << judgement.reason;
+}
+
+TEST(DecodeVerdict, TellsAWrongBaselineFromASequenceOfFramesThatFitOneByOne) {
+  const Inputs inputs = rig_with_whole_period_at(825);
+  DecodeEvidence right, wrong;
+  for (const double z : {790, 825, 862}) {
+    right += seen(inputs, plane({0, 0, 1}, z), 0);
+    const DecodeEvidence one = seen(inputs, plane({0, 0, 1}, z), 10);
+    EXPECT_EQ(judge(one).verdict, DecodeVerdict::accepted) << z << judge(one).reason;
+    wrong += one;
+  }
+  EXPECT_EQ(judge(right).verdict, DecodeVerdict::accepted) << judge(right).reason;
+  EXPECT_EQ(judge(wrong).verdict, DecodeVerdict::wrong_rig) << judge(wrong).reason;
+}
 
 TEST(DecodeVerdict, AcceptsFramesThatFit) {
   for (const bool verging : {false, true}) {

@@ -20,6 +20,20 @@ enum class FrameExplanation {
 };
 inline constexpr int kFrameExplanations = 8;
 
+/// Bands of rows of a frame that are judged one by one.
+inline constexpr int kRowBands = 12;
+
+/// Sums over stripe edges that tell whether their shift against the sinusoid depends on the depth.
+struct DepthTrend {
+  long edges = 0;
+  double disparity = 0;  ///< [px] how far the depth moves an edge in the image, beyond infinity
+  double disparity_squares = 0;  ///< [px^2]
+  double shift = 0;              ///< [px] of the edge against the sinusoid
+  double products = 0;           ///< [px^2] of disparity and shift
+
+  DepthTrend& operator+=(const DepthTrend& other);
+};
+
 /// How well the stripes of frames agree with their sinusoid, which are independent measurements of
 /// the same depths: sums over frames, so that `+=` combines a sequence.
 ///
@@ -33,10 +47,13 @@ struct DecodeEvidence {
   long stripe_edges = 0;  ///< different edges of the pattern among them, added up over the frames
   double agreement = 0;   ///< sum of cos(2 pi d)
   double shift = 0;       ///< sum of sin(2 pi d)
-  long steady_edges = 0;  ///< those in parts of the frame in which d is about the same
+  /// Those in parts of the frame in which d is about the same, for each band of rows, from the top.
+  std::array<long, kRowBands> steady_edges{};
   /// Those in such parts where d is, on average, more than an edge can be displaced by blur and by
   /// the colours of a lens.
-  long displaced_edges = 0;
+  std::array<long, kRowBands> displaced_edges{};
+  long rows = 0;  ///< of a frame
+  DepthTrend trend = {};
   long neighbours = 0;    ///< pairs of successive edges of a scanline
   double smoothness = 0;  ///< sum of cos(2 pi (difference of d)) over these
   /// Sums of cos(2 pi d) as if an explanation held; only of frames that disagree.
@@ -62,9 +79,10 @@ enum class DecodeVerdict {
   wrong_colors,      ///< the trained colours are those of another camera or projector
   turned_frames,     ///< the frames are mirrored, flipped or rotated
   wrong_rows,        ///< rows of the frames are exchanged or doubled
+  torn_frames,       ///< some rows do not fit, although the others do
   reversed_stripes,  ///< the stripes of the pattern are in reverse order
   shifted_sinusoid,  ///< the sinusoid is shifted against the stripes, everywhere alike
-  wrong_rig,         ///< the shift varies smoothly over the frame
+  wrong_rig,         ///< the shift varies smoothly over the frame, or with the depth
   wrong_pattern      ///< stripes and sinusoid have nothing to do with each other
 };
 
@@ -81,7 +99,7 @@ struct DecodeJudgement {
 /// decoded. If they do not, depths are wrong as a whole, and by more than their predicted
 /// deviations. Not noticed are errors that leave stripes and sinusoid in agreement: a baseline that
 /// is too long or too short as a whole, which scales all depths, or, for a surface at one depth, a
-/// shift by whole periods.
+/// shift by whole periods, also of a torn part of the frame.
 [[nodiscard]] DecodeJudgement judge(const DecodeEvidence& evidence);
 
 /// Name of a verdict as in the enumeration.
