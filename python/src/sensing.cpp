@@ -236,7 +236,7 @@ Raises InvalidInput.)")
           R"(Decodes a frame of uint8 or uint16, (rows, columns, 3) with blue first, linear in the light.
 
 A frame without the projector's light gives a range map of NaN. Raises InvalidInput if size or
-type are wrong. Ctrl-C is not heard: a frame takes milliseconds.)");
+type are wrong, or anchors contradict each other. Ctrl-C is not heard: a frame takes milliseconds.)");
 }
 
 void add_multishot(py::module_& module) {

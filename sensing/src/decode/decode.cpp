@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "colors/hue_classifier.h"
+#include "decode/anchored_regions.h"
 #include "decode/color_evidence.h"
 #include "decode/decode_options.h"
 #include "decode/decoder_geometry.h"
@@ -56,12 +57,6 @@ constexpr int kBlurRadius = 2;
 /// Half-widths of the squares in which colours are checked [px]: one that contains more than one
 /// stripe, and one so small that the surroundings of a narrow part of a surface do not outvote it.
 constexpr std::array<long, 2> kNearby{16, 6};
-/// Smallest part of a region that must hold an anchor of its own [px].
-constexpr int kLeastAnchoredCore = 50;
-/// Standard deviation of the phase [rad] beyond which an anchored region ends. Steps of depth have
-/// more; relief under a coarse sinusoid, whose shading does not fit it, has up to about 0.1.
-constexpr double kAnchoredSigma = 0.15;
-
 /// Half the width of a trough of the sinusoid, including its flanks [px].
 int trough_radius(const Carrier& carrier) { return (static_cast<int>(carrier.period()) + 1) / 2; }
 
@@ -125,8 +120,6 @@ struct Decoder::Impl {
   void find_regions(Workspace& work) const;
   void predict_sigma(Workspace& work) const;
   void find_guesses(Workspace& work) const;
-  void find_anchors(Workspace& work) const;
-  void anchor_regions(const FloodLimits& limits, Workspace& work) const;
   void drop_borders(Workspace& work) const;
   void check_colors(Workspace& work) const;
   void fill_result(Workspace& work, DecodeResult& result) const;
@@ -180,40 +173,6 @@ void Decoder::Impl::find_guesses(Workspace& work) const {
                     .reversed = model.carrier().stripes_reversed},
                    work.transitions);
   work.model(model).phases_at_edges(work.transitions, work.guesses);
-}
-
-/// The phases at the anchors.
-void Decoder::Impl::find_anchors(Workspace& work) const {
-  const auto decoded = [&](double pixel) {
-    return static_cast<int>(std::lround(options.half_resolution ? half_size(pixel) : pixel));
-  };
-  work.guesses.clear();
-  for (const Anchor& anchor : options.anchors) {
-    PhaseGuess guess{.row = decoded(anchor.v_px), .column = decoded(anchor.u_px), .score = 1};
-    if (model.carrier().transposed) std::swap(guess.row, guess.column);
-    guess.row -= static_cast<int>(work.part.row);
-    guess.column -= static_cast<int>(work.part.column);
-    const bool inside = guess.row >= 0 && guess.row < work.part.rows && guess.column >= 0 &&
-                        guess.column < work.part.columns;
-    if (!inside) continue;
-    const auto phase = work.model(model).phase_at_depth(guess.row, guess.column, anchor.z);
-    if (!phase) continue;
-    guess.phase = *phase;
-    const auto near = nearest_in_region(work.regions, guess, filter.radius);
-    if (near) work.guesses.push_back(*near);
-  }
-}
-
-/// Gives the regions around the anchors their offsets. Nothing else tells that two surfaces meet
-/// where their phases agree, so regions end where the sinusoid fits badly.
-void Decoder::Impl::anchor_regions(const FloodLimits& limits, Workspace& work) const {
-  find_anchors(work);
-  if (options.segmentation == Segmentation::flood) {
-    anchor_markers(work.regions, work.guesses, work.markers);
-    work.doubt = work.variance + work.sigma.square();
-    split_regions(work.wrapped, work.doubt, limits, work.markers, work.unwrapping, work.regions);
-  }
-  anchored_offsets(work.regions, work.guesses, work.offsets);
 }
 
 /// Finds the part of the frame that is lit, with a margin in which windows and anchors reach it.
@@ -299,10 +258,7 @@ void Decoder::Impl::find_regions(Workspace& work) const {
                           work.model(model), {filter.radius, filter.width() / 2}, work.regions,
                           work.offsets, work.tinted);
   } else {
-    anchor_regions({.max_variance = limits.max_variance + kAnchoredSigma * kAnchoredSigma,
-                    .max_step = limits.max_step,
-                    .least_core = kLeastAnchoredCore},
-                   work);
+    anchor_regions(model, filter, options, work);
   }
   add_offsets(work.regions, work.offsets, work.phase, work.reasons);
 }

@@ -189,6 +189,23 @@ void anchor_markers(const Regions& regions, const std::vector<PhaseGuess>& ancho
   }
 }
 
+std::optional<Contradiction> contradicting_anchors(const Regions& regions, const Labels& connected,
+                                                   const std::vector<PhaseGuess>& anchors) {
+  const auto turns = [&](const PhaseGuess& anchor) {
+    return std::lround(turns_of(regions, anchor));
+  };
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    const int surface = connected(anchors[i].row, anchors[i].column);
+    if (surface < 0) continue;
+    for (std::size_t k = 0; k < i; ++k) {
+      if (connected(anchors[k].row, anchors[k].column) != surface) continue;
+      const long periods = std::abs(turns(anchors[i]) - turns(anchors[k]));
+      if (periods != 0) return Contradiction{anchors[k], anchors[i], periods};
+    }
+  }
+  return std::nullopt;
+}
+
 void anchored_offsets(const Regions& regions, const std::vector<PhaseGuess>& anchors,
                       std::vector<RegionOffset>& offsets) {
   offsets.assign(static_cast<std::size_t>(regions.count), {});

@@ -130,6 +130,32 @@ TEST(PhaseOffset, AnAnchorGivesItsRegionAnOffsetAndNoOther) {
   EXPECT_EQ(offsets[0].reason, Reason::ambiguous_offset);
 }
 
+TEST(PhaseOffset, AnchorsOfOneSurfaceContradictEachOtherIfPeriodsAreBetweenThem) {
+  const Regions regions = two_regions();
+  const PhaseGuess anchor{.row = 4, .column = 3, .phase = 0.7, .score = 1, .edge = 5};
+  PhaseGuess other = anchor;
+  other.column = 4;
+  other.phase -= 2 * 2 * std::numbers::pi;
+  other.edge = 6;
+  PhaseGuess elsewhere = other;
+  elsewhere.column = 12;
+  const auto found = [&](const Labels& connected, const std::vector<PhaseGuess>& anchors) {
+    return contradicting_anchors(regions, connected, anchors);
+  };
+  EXPECT_FALSE(found(regions.label, {anchor, elsewhere, anchor}));
+  const auto pair = found(regions.label, {elsewhere, anchor, other});
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(pair->first.edge, 5);
+  EXPECT_EQ(pair->second.edge, 6);
+  EXPECT_EQ(pair->periods, 2);
+  // A step may be between the columns.
+  Labels apart = regions.label;
+  apart.col(4) = 7;
+  EXPECT_FALSE(found(apart, {anchor, other}));
+  apart = -1;
+  EXPECT_FALSE(found(apart, {anchor, other}));
+}
+
 TEST(PhaseOffset, AnAnchorOutsideEveryRegionSaysNothing) {
   const PhaseGuess outside{.row = 4, .column = 11, .phase = 0.7, .score = 1};
   std::vector<RegionOffset> offsets;

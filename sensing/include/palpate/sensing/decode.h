@@ -62,7 +62,8 @@ struct DecodeOptions {
   double max_sensitivity = 0.1;
   /// Required for a pattern without stripes, and forbidden otherwise. Only the regions of the
   /// anchors are reconstructed; they end where the sinusoid fits badly, as at the borders of
-  /// surfaces. A region whose anchors contradict each other is divided between them.
+  /// surfaces. Anchors that contradict each other divide a region where it may have a step; on one
+  /// smooth surface they are an error.
   std::vector<Anchor> anchors = {};
 };
 
@@ -109,7 +110,7 @@ class Decoder {
   /// Decodes a frame. A frame without projector light gives a range map of NaN, not an error.
   /// \param frame 8 or 16 bit, linear in the light, 1 or 3 channels (BGR), of the camera's size.
   /// \throws InvalidInput if the frame has another size or type, or has one channel although the
-  /// pattern has coloured stripes.
+  /// pattern has coloured stripes, or if two anchors contradict each other on one smooth surface.
   [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
   /// The same, reusing the memory of an earlier result: decoding one frame after another allocates
   /// next to nothing. `result` is unchanged if an exception is thrown.

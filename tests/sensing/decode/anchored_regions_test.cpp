@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "decode/anchored_regions.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/sensing/decode.h"
+#include "synthetic_scene.h"
+#include "test_files.h"
+
+namespace palpate::sensing {
+namespace {
+
+Pattern sinusoid(Axis axis) {
+  return {.axis = axis, .period = 20, .phase = 0.3, .mean = 0.5, .amplitude = 0.4};
+}
+
+Anchor anchor_at(const Scene& scene, int u, int v, double factor = 1) {
+  return {.u_px = static_cast<double>(u),
+          .v_px = static_cast<double>(v),
+          .z = factor * static_cast<double>(scene.z(v, u))};
+}
+
+std::string text_of(const Anchor& anchor) {
+  std::ostringstream text;
+  text << anchor.u_px << ',' << anchor.v_px << ',' << anchor.z;
+  return text.str();
+}
+
+TEST(AnchoredRegions, NameTwoAnchorsThatContradictEachOther) {
+  const Rig rig = make_rig(false);
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    const Scene scene = render(rig, sinusoid(axis), plane({0.1, -0.2, 1}, 650));
+    const Anchor right = anchor_at(scene, 80, 60), wrong = anchor_at(scene, 200, 150, 1.08);
+    for (const Segmentation segmentation : {Segmentation::flood, Segmentation::snakes}) {
+      const auto decode = [&](const std::vector<Anchor>& anchors) {
+        return Decoder(rig, sinusoid(axis), {}, {.segmentation = segmentation, .anchors = anchors})
+            .decode(scene.frame);
+      };
+      EXPECT_NO_THROW(decode({right, anchor_at(scene, 200, 150)}));
+      const std::string message = message_of<InvalidInput>([&] { decode({right, wrong}); });
+      EXPECT_NE(message.find(text_of(right)), std::string::npos) << message;
+      EXPECT_NE(message.find(text_of(wrong)), std::string::npos) << message;
+      // Its true depth, to a tenth of a millimetre.
+      const auto at = message.find("pixel 200,150 is at ");
+      ASSERT_NE(at, std::string::npos) << message;
+      EXPECT_NEAR(std::stod(message.substr(at + 20)), static_cast<double>(scene.z(150, 200)), 0.2);
+    }
+  }
+}
+
+// Both are right, on two surfaces that the phase alone connects.
+TEST(AnchoredRegions, TakeAnchorsOnBothSidesOfAStep) {
+  const Rig rig = make_rig(false);
+  for (const double distance : {500.0, 545.0, 590.0, 620.0}) {
+    const Scene scene =
+        render(rig, sinusoid(Axis::y), nearer(sphere({0, 0, distance}, 50), plane({0, 0, 1}, 720)));
+    const Decoder decoder(rig, sinusoid(Axis::y), {},
+                          {.anchors = {anchor_at(scene, 20, 120), anchor_at(scene, 160, 120)}});
+    EXPECT_NO_THROW((void)decoder.decode(scene.frame)) << distance;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::sensing
