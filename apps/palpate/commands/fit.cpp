@@ -175,8 +175,7 @@ geometry::TriangleMesh surface_of(const FitCall& call,
                                   const probing::CheckedAcquisition& acquisition, Json& warnings) {
   if (!call.surface.empty()) return geometry::read_mesh(call.surface, call.meshes);
   try {
-    const double radius = acquisition.records().probe_radius.value_or(
-        call.probe_radius.value_or(probing::kUsualTipRadius));
+    const double radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius);
     probing::ContactSurface made =
         probing::contact_surface(acquisition.contacts(), {.tip_radius = radius});
     spdlog::warn(
@@ -192,6 +191,20 @@ geometry::TriangleMesh surface_of(const FitCall& call,
   }
 }
 
+/// The measurements with the radius of the call, if they do not say it.
+probing::CheckedAcquisition with_probe_radius(probing::CheckedAcquisition acquisition,
+                                              std::optional<double> radius) {
+  const std::optional<double> known = acquisition.records().probe_radius;
+  if (!radius || known == radius) return acquisition;
+  if (known) {
+    throw InvalidInput(
+        fmt::format("--probe-radius: is {:g} mm; the measurements say {:g} mm", *radius, *known));
+  }
+  probing::Acquisition records = acquisition.records();
+  records.probe_radius = radius;
+  return records;
+}
+
 void fit(const Settings& settings, FitCall call) {
   limit_to_budget(call);
   if (call.force_noise) call.fit.noise.force = *call.force_noise;
@@ -201,20 +214,14 @@ void fit(const Settings& settings, FitCall call) {
   check_replaceable(call.output, haptics::model_entries());
   Json warnings = Json::array();
   const probing::CheckedAcquisition acquisition =
-      read_plausible_acquisition(call.acquisition, warnings);
+      with_probe_radius(read_plausible_acquisition(call.acquisition, warnings), call.probe_radius);
   tell_rates(call.acquisition, warnings);
   const geometry::TriangleMesh surface = surface_of(call, acquisition, warnings);
-  const std::optional<double> known_radius = acquisition.records().probe_radius;
-  if (call.probe_radius && known_radius && *call.probe_radius != *known_radius) {
-    throw InvalidInput(fmt::format("--probe-radius: is {:g} mm; the measurements say {:g} mm",
-                                   *call.probe_radius, *known_radius));
-  }
   FitRecord record(record_path, settings_of(call));
   if (call.resume) record.resume();
   record.begin();
   const std::size_t kept = record.size();
   haptics::BuildResult built = build_or_forget(acquisition, surface, call, record);
-  if (call.probe_radius) built.model.probe_radius = call.probe_radius;
   built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] =
@@ -307,9 +314,11 @@ void add_fit(CLI::App& app, const Settings& settings) {
           "at least 0.4 % of the largest force, and more if that does not explain the errors")
       ->check(within(at_least(0)));
   command
-      ->add_option("--probe-radius", call->probe_radius,
-                   "Radius of the ball that touched the object [mm], if the measurements do not "
-                   "say it; the model keeps it for palpate play --tool-radius")
+      ->add_option(
+          "--probe-radius", call->probe_radius,
+          "Radius of the ball that touched the object [mm], if the measurements do not "
+          "say it; the errors of friction depend on it, and the model keeps it for palpate play "
+          "--tool-radius")
       ->check(within(above(0).finite()));
   add_choice<bool>(
       *command, "--touch-offset", call->estimate_offsets, {{"estimate", true}, {"none", false}},

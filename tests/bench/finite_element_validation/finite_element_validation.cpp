@@ -17,7 +17,8 @@ int main(int count, char** arguments) {
                                                 {"hertz", compare_with_hertz},
                                                 {"loops", measure_sticking_loops},
                                                 {"mindlin", compare_with_mindlin},
-                                                {"paths", count_random_paths}};
+                                                {"paths", count_random_paths},
+                                                {"slides", measure_slides}};
   for (int i = 1; i < count; ++i) {
     if (parts.contains(arguments[i])) continue;
     std::fprintf(stderr, "usage: finite_element_validation [PART...]; all parts, or some of");

@@ -16,6 +16,8 @@ void compare_with_half_space_model();
 void measure_sticking_loops();
 // The same forces on meshes of which one is twice as fine.
 void compare_with_halved_mesh();
+// The tangential force at which a ball slides, whose points slip by Coulomb's law.
+void measure_slides();
 // 1000 ways of a tip, by the stop with which they ended.
 void count_random_paths();
 // Three solids in large deformation, also computed by CalculiX (the program `ccx`).

@@ -151,6 +151,10 @@ struct BuildResult {
 /// `estimate_pressing`, whose offsets are taken off and recorded in `Model::made`; errors refer to
 /// samples without the offsets.
 ///
+/// A ball in a soft object slips at larger forces than a point with the same friction. Where the
+/// acquisition says the radius of its probe, the errors and lower bounds of friction hold for the
+/// material as well, unless `BuildOptions::friction.steady_error` is 0: trials of an exact cone.
+///
 /// A normal points into the surface if the triangle there faces the other way, and so does most of
 /// the surface over the radius of the probe (`geometry::facing_shares`; `probing::kUsualTipRadius`
 /// if it is not known).
