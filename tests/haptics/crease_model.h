@@ -12,9 +12,7 @@
 #include <vector>
 
 #include "height_field_model.h"
-#include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/rotation.h"
 
@@ -65,10 +63,11 @@ class CreaseProfile {
     }
     return corners_.back();
   }
-  /// [mm] below the surface; below 0 outside.
+  /// [mm] below the surface; below 0 outside, and beyond the ends of the section.
   [[nodiscard]] double depth(const Eigen::Vector3d& place) const {
     const Eigen::Vector2d point(place.x(), place.z());
-    double nearest = std::numeric_limits<double>::infinity(), height = 0;
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    double nearest = kInfinite, height = -kInfinite;
     for (std::size_t i = 1; i < corners_.size(); ++i) {
       const Eigen::Vector2d edge = corners_[i] - corners_[i - 1], to = point - corners_[i - 1];
       const double along = std::clamp(to.dot(edge) / edge.squaredNorm(), 0.0, 1.0);
@@ -133,11 +132,7 @@ inline Model crease_model(const CreaseBlock& block) {
     model.contacts.push_back(contact);
     places.push_back(place.at);
   }
-  geometry::ContactTriangulation triangulation =
-      geometry::triangulate_contacts(model.surface, places);
-  model.triangles = std::move(triangulation.mesh.triangles);
-  model.surface_weights = std::move(triangulation.weights);
-  return with_compliances(std::move(model), 1);
+  return with_triangles(std::move(model), places);
 }
 
 }  // namespace palpate::haptics

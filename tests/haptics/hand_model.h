@@ -6,10 +6,8 @@
 #include <vector>
 
 #include "height_field_model.h"
-#include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/triangle_mesh.h"
-#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/rotation.h"
 #include "repository.h"
@@ -39,11 +37,7 @@ Model hand_model(Friction friction) {
     model.contacts.push_back(contact);
     places.push_back(place);
   }
-  geometry::ContactTriangulation triangulation =
-      geometry::triangulate_contacts(model.surface, places);
-  model.triangles = std::move(triangulation.mesh.triangles);
-  model.surface_weights = std::move(triangulation.weights);
-  return with_compliances(std::move(model), 1);
+  return with_triangles(std::move(model), places);
 }
 
 }  // namespace palpate::haptics

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,15 @@ inline ForceField six_bases(double scale, double along, double across) {
            {1.2 * scale, 4.0, {0, 0, 6}, Vector3d(0.2 * along, 0.1 * across, 1).normalized()},
            {0.8 * scale, 3.5, {2, 0, 2}, Vector3d(1, 0.15 * across, 0.2).normalized()},
            {0.7 * scale, 3.5, {0, -2, 2}, Vector3d(0.1 * along, 1, -0.2).normalized()}}};
+}
+
+/// Joins the contacts, which stand at these places, to triangles, and blends them by compliances.
+inline Model with_triangles(Model model, std::span<const geometry::SurfacePoint> places) {
+  geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(model.surface, places);
+  model.triangles = std::move(triangulation.mesh.triangles);
+  model.surface_weights = std::move(triangulation.weights);
+  return with_compliances(std::move(model), 1);
 }
 
 /// An object below z = height(x, y) that is felt from above, blended by compliances.
@@ -81,11 +91,7 @@ inline Model height_field_model(const HeightFieldObject& object) {
     model.contacts.push_back(contact);
     places.push_back(at.at);
   }
-  geometry::ContactTriangulation triangulation =
-      geometry::triangulate_contacts(model.surface, places);
-  model.triangles = std::move(triangulation.mesh.triangles);
-  model.surface_weights = std::move(triangulation.weights);
-  return with_compliances(std::move(model), 1);
+  return with_triangles(std::move(model), places);
 }
 
 /// Gentle waves.

@@ -116,12 +116,18 @@ struct OutsidePlace {
   Vector3d outside, at, normal, along;
 };
 
+/// In front of the place by up to 1 mm, and as far from the opposite flank.
 OutsidePlace outside_place(const TouchedObject& object, std::mt19937& random) {
-  const PressPlace at = press_place(object, random);
-  const auto opposite =
-      object.query.first_hit(at.position + 1e-6 * at.normal, at.position + 2 * at.normal);
-  const double free = opposite ? (opposite->position - at.position).norm() / 2 : 1;
-  return {at.position + free * at.normal, at.position, at.normal, at.along};
+  const haptics::CreaseProfile profile(kOpenings);
+  while (true) {
+    const PressPlace at = press_place(object, random);
+    const auto opposite =
+        object.query.first_hit(at.position + 1e-6 * at.normal, at.position + 2 * at.normal);
+    const double free = opposite ? (opposite->position - at.position).norm() / 2 : 1;
+    const Vector3d outside = at.position + free * at.normal;
+    // From the very bottom of a groove the normal may lead into the opposite flank at once.
+    if (profile.depth(outside) < 0) return {outside, at.position, at.normal, at.along};
+  }
 }
 
 void print_loops(const TouchedObject& object, double friction, int loops, unsigned seed) {
@@ -174,11 +180,6 @@ void print_jumps(const TouchedObject& object, double friction, int jumps) {
     fmt::print("| {} | {} | {} | {:.2g}, {:.3g} | {} | {} |\n", friction, jump, all.size(),
                share_above(all, 1e-3), 1e3 * quantile(all, 1), lost, restless);
   }
-}
-
-double touching(double time) {
-  const double phase = 2 * std::numbers::pi * 0.8 * time;
-  return 1 + 2 * std::sin(phase + 0.7 * std::sin(0.31 * phase));
 }
 
 void print_walks(const TouchedObject& object, double friction, double seconds) {

@@ -2,21 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdio>
-#include <numbers>
 
 #include "measure.h"
 #include "tables.h"
 
 namespace palpate::bench {
 namespace {
-
-/// [mm] Between 1 above the surface and 3 below it.
-double touching(double time) {
-  const double phase = 2 * std::numbers::pi * 0.8 * time;
-  return 1 + 2 * std::sin(phase + 0.7 * std::sin(0.31 * phase));
-}
 
 /// Whether the tool is behind the nearest part of the surface, and not beyond its border.
 bool is_behind(const TouchedObject& object, const Eigen::Vector3d& tool) {
@@ -30,18 +22,25 @@ bool is_behind(const TouchedObject& object, const Eigen::Vector3d& tool) {
 
 void print_falls(double seconds) {
   fmt::print(
-      "\n| friction | path | touching [s] | contacts that end | falls | longest fall [s] "
-      "|\n|---|---|---|---|---|---|\n");
+      "\n| friction | path | touching [s] | contacts that end | falls | longest fall [s] | changes "
+      "above 0.2 N in a tick, largest [N] |\n|---|---|---|---|---|---|---|\n");
   for (const double friction : {0.0, 0.3, 0.9}) {
     const TouchedObject object = hand(friction);
     const haptics::Playback playback(object.model);
     for (const unsigned seed : {1U, 2U, 3U, 4U}) {
       haptics::LoopState state;
       haptics::ContactState before = haptics::ContactState::free;
-      int touched = 0, ended = 0, falls = 0, falling = 0, longest = 0;
+      Eigen::Vector3d force_before = Eigen::Vector3d::Zero();
+      int touched = 0, ended = 0, falls = 0, falling = 0, longest = 0, changes = 0;
+      double largest = 0;
       for (const Eigen::Vector3d& tool :
            wander(object, static_cast<int>(1e3 * seconds), seed, touching)) {
-        const haptics::ContactState now = playback.step(tool, state).state;
+        const haptics::Command command = playback.step(tool, state);
+        const haptics::ContactState now = command.state;
+        const double change = (command.force - force_before).norm();
+        force_before = command.force;
+        changes += change > 0.2 ? 1 : 0;
+        largest = std::max(largest, change);
         const bool free = now == haptics::ContactState::free;
         const bool end = free && before != haptics::ContactState::free;
         touched += free ? 0 : 1;
@@ -54,8 +53,8 @@ void print_falls(double seconds) {
         }
         before = now;
       }
-      fmt::print("| {} | {} | {:.1f} | {} | {} | {} |\n", friction, seed, 1e-3 * touched, ended,
-                 falls, 1e-3 * longest);
+      fmt::print("| {} | {} | {:.1f} | {} | {} | {} | {}, {:.2g} |\n", friction, seed,
+                 1e-3 * touched, ended, falls, 1e-3 * longest, changes, largest);
       std::fflush(stdout);
     }
   }

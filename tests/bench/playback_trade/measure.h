@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "objects.h"
@@ -23,6 +24,12 @@ inline haptics::PlaybackOptions unlimited(haptics::PlaybackOptions options = {})
 /// [N] ||f_T| - mu f_N| at the end of a slip; at most `beyond` counts as on the cone.
 inline double residual(const haptics::LoopState& state, const haptics::Command& command) {
   return std::abs(haptics::friction_parts(state.place, -command.force).excess);
+}
+
+/// [mm] A depth for `wander`: between 1 above the surface and 3 below it.
+inline double touching(double time) {
+  const double phase = 2 * std::numbers::pi * 0.8 * time;
+  return 1 + 2 * std::sin(phase + 0.7 * std::sin(0.31 * phase));
 }
 
 /// Of numbers in any order; 0 for none.
