@@ -11,20 +11,14 @@
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/require.h"
 #include "playback/slip_search.h"
-#include "playback/surface_walk.h"
+#include "playback/surface_side.h"
 
 namespace palpate::haptics {
 namespace {
 
-// Distance outside the surface at which the search for a hit starts, as a fraction of the surface's
-// diagonal: far above rounding (1e-16), far below what a user can feel.
-constexpr double kOffsetRatio = 1e-9;
-// A contact lies on an edge if it is at most so many offsets away: then even in a crease of 0.6
-// degrees the start is in front of both sides.
-constexpr double kOnEdge = 100;
-// The start is in front of all sides of a crease if its direction has at least this cosine to their
-// normals.
-constexpr double kLeastOpening = 1e-6;
+// A touch begins with at least this part of the credit, even if the touches before have used it up:
+// otherwise the first force could be more than the user has paid for, and be refused for good.
+constexpr double kRenewedCredit = 0.1;
 
 // [N mm] What the user has put in until the middle of a tick. Work is that of the commanded forces,
 // by the trapezoidal rule.
@@ -50,23 +44,14 @@ bool pushes(const SlidingContact& contact) {
 struct Playback::Impl {
   PlaybackOptions options;
   PackedField field;
-  SurfaceWalk surface;
+  SurfaceSide side;
   Eigen::Matrix3Xd normals;  // of the surface's triangles
-  double offset;             // [mm]
   int unknown_friction_count;
   Ball reach;
 
   Impl(const Model& model, const PlaybackOptions& given);
 
-  [[nodiscard]] Eigen::Vector3d centroid(int triangle) const;
-  [[nodiscard]] TouchPoint touch_point(const SurfacePlace& place,
-                                       const Eigen::Vector3d& fallback) const;
-  [[nodiscard]] bool enters(const Eigen::Vector3d& from, const Eigen::Vector3d& tool,
-                            TouchPoint& contact) const;
-  [[nodiscard]] bool stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const;
   [[nodiscard]] bool is_still_inside(const Eigen::Vector3d& way, LoopState& state) const;
-  [[nodiscard]] Eigen::Vector3d lifted(const TouchPoint& contact) const;
-  [[nodiscard]] double signed_distance(const Eigen::Vector3d& tool, TouchPoint& nearest) const;
   [[nodiscard]] bool is_outside(const Eigen::Vector3d& tool) const;
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const;
   [[nodiscard]] SlidingContact slip(const SlidingContact& start, const Eigen::Vector3d& tool,
@@ -93,9 +78,8 @@ struct Playback::Impl {
 Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
     : options(given),
       field(field_of(model, given.unknown_friction)),
-      surface(model.surface),
+      side(model.surface, field.blended().surface()),
       normals(geometry::triangle_normals(model.surface)),
-      offset(kOffsetRatio * geometry::bounding_diagonal(model.surface)),
       unknown_friction_count(haptics::unknown_friction_count(model)) {
   require("PlaybackOptions::tolerance", options.tolerance, above(0).finite(), "N");
   require("PlaybackOptions::energy_credit", options.energy_credit, at_least(0), "N mm");
@@ -116,84 +100,11 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
   reach.radius += options.start_depth;
 }
 
-Eigen::Vector3d Playback::Impl::centroid(int triangle) const {
-  return (surface.corner(triangle, 0) + surface.corner(triangle, 1) + surface.corner(triangle, 2)) /
-         3;
-}
-
-TouchPoint Playback::Impl::touch_point(const SurfacePlace& place,
-                                       const Eigen::Vector3d& fallback) const {
-  const Eigen::Vector3d& normal = surface.normal(place.triangle);
-  return {place.position, normal.allFinite() ? normal : fallback, surface.point(place)};
-}
-
-// Whether the way to the tool enters the surface from outside, and where.
-bool Playback::Impl::enters(const Eigen::Vector3d& from, const Eigen::Vector3d& tool,
-                            TouchPoint& contact) const {
-  const std::optional<geometry::SegmentHit> hit = field.blended().surface().first_hit(from, tool);
-  if (!hit) return false;
-  const Eigen::Vector3d& normal = surface.normal(hit->at.triangle);
-  // From inside, or a triangle without area (NaN): no contact.
-  if (!((tool - from).dot(normal) < 0)) return false;
-  contact = {hit->position, normal, hit->at};
-  return true;
-}
-
-// A point outside the surface and next to a contact, in front of all triangles that it touches.
-Eigen::Vector3d Playback::Impl::lifted(const TouchPoint& contact) const {
-  const TouchedTriangles touched =
-      surface.touched({contact.at.triangle, contact.position}, kOnEdge * offset);
-  Eigen::Vector3d up = contact.normal;
-  for (int i = 1; i < touched.count; ++i) {
-    const int t = touched.triangles[static_cast<std::size_t>(i)];
-    const bool rises = (centroid(t) - contact.position).dot(contact.normal) > 0;
-    if (rises && surface.normal(t).allFinite()) up += surface.normal(t);
-  }
-  const double opening = std::max(up.dot(contact.normal), kLeastOpening);
-  return contact.position + offset / opening * up;
-}
-
-// Whether a tool that touched still does.
-bool Playback::Impl::stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const {
-  const Eigen::Vector3d displacement = tool - contact.position;
-  if (displacement.dot(contact.normal) < 0) return true;
-  // In a crease the tool is inside as long as it is behind one of the sides.
-  const TouchedTriangles touched =
-      surface.touched({contact.at.triangle, contact.position}, kOnEdge * offset);
-  for (int i = 1; i < touched.count; ++i) {
-    const int t = touched.triangles[static_cast<std::size_t>(i)];
-    const bool rises = (centroid(t) - contact.position).dot(contact.normal) > offset;
-    if (rises && displacement.dot(surface.normal(t)) < 0) return true;
-  }
-  TouchPoint elsewhere;
-  return enters(lifted(contact), tool, elsewhere);
-}
-
-// Distance of the tool from the nearest part of the surface, in front of it > 0 and behind it < 0;
-// 0 beyond the border. At an edge or a vertex the sum of the normals, weighted with the angles of
-// their triangles there, tells the side (Baerentzen and Aanaes 2005): in a sharp crease a tool may
-// be behind one of the triangles and in front of another.
-double Playback::Impl::signed_distance(const Eigen::Vector3d& tool, TouchPoint& nearest) const {
-  const geometry::ClosestPoint closest = field.blended().surface().closest_point(tool);
-  if (closest.at.triangle < 0) return 0;
-  const SurfacePlace place{closest.at.triangle, closest.position};
-  const TouchedTriangles touched = surface.touched(place, kOnEdge * offset);
-  if (touched.on_border) return 0;
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (int i = 0; i < touched.count; ++i) {
-    const int t = touched.triangles[static_cast<std::size_t>(i)];
-    if (surface.normal(t).allFinite())
-      normal += surface.angle(t, closest.position, kOnEdge * offset) * surface.normal(t);
-  }
-  nearest = {closest.position, surface.normal(closest.at.triangle), closest.at};
-  return std::copysign(closest.distance, (tool - closest.position).dot(normal));
-}
-
 // Whether the tool is behind the nearest part of the surface, not beyond its border, and not too
 // far inside.
 bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const {
   TouchPoint nearest;
-  const double distance = signed_distance(tool, nearest);
+  const double distance = side.signed_distance(tool, nearest);
   if (!(distance < 0 && -distance <= options.start_depth)) return false;
   contact = nearest;
   return true;
@@ -202,7 +113,7 @@ bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact)
 // Whether the tool is in front of the nearest part of the surface, not beyond its border.
 bool Playback::Impl::is_outside(const Eigen::Vector3d& tool) const {
   TouchPoint nearest;
-  return signed_distance(tool, nearest) > 0;
+  return side.signed_distance(tool, nearest) > 0;
 }
 
 // The contact of a tool that cannot be seen from its contact any more, because the surface is not
@@ -237,7 +148,7 @@ SlidingContact Playback::Impl::moved_contact(const TouchPoint& point, const Eige
 SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Vector3d& tool,
                                     const Eigen::Vector3d& way, LoopState& state) const {
   if (options.motion == ContactMotion::bracketed) {
-    return search_slip(field, surface, start, tool,
+    return search_slip(field, side.walk(), start, tool,
                        {.tolerance = options.tolerance,
                         .budget = budget_of(state, way),
                         .moved = way,
@@ -262,7 +173,7 @@ bool Playback::Impl::stays_inside(const SlidingContact& start, const Eigen::Vect
   if (cost_of(contact, way) > std::max(budget_of(state, way), cost_of(start, way))) {
     contact = start;
     state.delayed = delayed;
-    field.move_to(surface.point(start.at), start.at.position, state.place);
+    field.move_to(side.walk().point(start.at), start.at.position, state.place);
   }
   // The tool is pushed back to its contact, unless the object has bases that pull.
   return contact.force.force.dot(tool - contact.at.position) >= 0;
@@ -274,7 +185,8 @@ bool Playback::Impl::pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::
                                       LoopState& state, SlidingContact& contact) const {
   const SlidingContact pulling = contact;
   TouchPoint other;
-  if (enters(lifted(state.proxy), tool, other) && other.at.triangle != state.proxy.at.triangle) {
+  if (side.enters(side.lifted(state.proxy), tool, other) &&
+      other.at.triangle != state.proxy.at.triangle) {
     contact = moved_contact(other, tool, state);
     if (pushes(contact)) return true;
   }
@@ -342,6 +254,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   if (state.playback != self.field.id()) {
     state = {};
     state.playback = self.field.id();
+    state.work = self.options.energy_credit;
   }
   const double moved = state.has_proxy ? (tool - state.tool).norm() : 0;
   if (!tool.allFinite() || !(moved <= self.options.longest_step)) {
@@ -360,9 +273,9 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
 
   bool started_inside = false, touches = false;
   if (state.contact_state != ContactState::free) {
-    touches = self.stays(state.proxy, tool) || self.is_still_inside(way, state);
+    touches = self.side.stays(state.proxy, tool) || self.is_still_inside(way, state);
   } else if (state.has_proxy) {
-    touches = self.enters(state.proxy.position, tool, state.proxy);
+    touches = self.side.enters(state.proxy.position, tool, state.proxy);
   } else {
     started_inside = touches = self.is_inside(tool, state.proxy);
     state.has_proxy = true;
@@ -371,8 +284,10 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   if (!touches) return self.let_go(tool, way, state);
 
   // A touch begins without a force: until then the object still returns what it has.
-  if (state.contact_state == ContactState::free && state.force.isZero(0))
-    state.work = self.options.energy_credit;
+  if (state.contact_state == ContactState::free && state.force.isZero(0)) {
+    const double credit = self.options.energy_credit;
+    state.work = std::clamp(state.work, kRenewedCredit * credit, credit);
+  }
   state.contact_state = ContactState::stick;
   if (!state.has_place) self.field.move_to(state.proxy.at, state.proxy.position, state.place);
   state.has_place = true;
@@ -390,16 +305,16 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
       return self.let_go(tool, way, state);
     if (contact.at.position != start.at.position) {
       state.contact_state = ContactState::slip;
-      state.proxy = self.touch_point(contact.at, state.proxy.normal);
+      state.proxy = self.side.touch_point(contact.at, state.proxy.normal);
     }
     let_follow(self.field, state.place, tool, state.delayed, contact);
   }
   if (!pushes(contact)) {
     // Start outside the surface, so that a tool that is still behind it may touch again.
-    const Eigen::Vector3d outside = self.lifted(state.proxy);
+    const Eigen::Vector3d outside = self.side.lifted(state.proxy);
     if (!self.pushes_elsewhere(tool, way, state, contact)) return self.let_go(outside, way, state);
     state.contact_state = ContactState::slip;
-    state.proxy = self.touch_point(contact.at, state.proxy.normal);
+    state.proxy = self.side.touch_point(contact.at, state.proxy.normal);
   }
   if (started_inside) state.work += contact.force.energy;
   const double share = self.affordable_share(contact, way, state);

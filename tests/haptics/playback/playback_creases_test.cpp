@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
+#include <random>
 #include <vector>
 
 #include "crease_model.h"
+#include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/playback.h"
 #include "playback_hand.h"
 
@@ -19,6 +24,7 @@ class PlaybackInGrooves : public ::testing::Test {
  protected:
   const CreaseProfile profile{kOpenings};
   const Model model = crease_model({.openings = kOpenings, .width = 40});
+  const geometry::SurfaceQuery query{model.surface};
 
   [[nodiscard]] Model with_friction(double friction) const {
     Model copy = model;
@@ -56,6 +62,104 @@ TEST_F(PlaybackInGrooves, KeepTheForceOfAToolThatPassesBelowTheBottom) {
       }
     }
   }
+}
+
+// A place in front of the surface, at least 10 mm from the border, and one behind it.
+struct Pressing {
+  Eigen::Vector3d outside, pressed, along;
+};
+
+// \param depth [mm].
+Pressing random_pressing(const Model& model, const geometry::SurfaceQuery& query,
+                         const CreaseProfile& profile, double depth, std::mt19937& random) {
+  const geometry::TriangleMesh& surface = model.surface;
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  while (true) {
+    constexpr double kFromBorder = 10;  // [mm]
+    const int triangle = static_cast<int>(random() % surface.triangles.cols());
+    const Eigen::Vector3d place =
+        geometry::position(surface, {triangle, Eigen::Vector3d::Constant(1.0 / 3)});
+    if (place.x() < kFromBorder || place.x() > profile.corners().back().x() - kFromBorder ||
+        std::abs(place.y()) > 20 - kFromBorder)
+      continue;
+    const Eigen::Vector3i corners = surface.triangles.col(triangle);
+    const Eigen::Vector3d from = surface.vertices.col(corners[0]);
+    const Eigen::Vector3d normal = (surface.vertices.col(corners[1]) - from)
+                                       .cross(surface.vertices.col(corners[2]) - from)
+                                       .normalized();
+    const auto opposite = query.first_hit(place + 1e-6 * normal, place + 2 * normal);
+    const double free = opposite ? (opposite->position - place).norm() / 2 : 1;
+    const Eigen::Vector3d any(uniform(random), uniform(random), uniform(random));
+    return {place + free * normal, place - depth * normal,
+            (any - any.dot(normal) * normal).normalized()};
+  }
+}
+
+TEST_F(PlaybackInGrooves, EndSlipsOnTheConeAfterJumps) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const double friction : {0.0, 0.1, 0.3}) {
+    const Playback playback(with_friction(friction),
+                            {.energy_credit = kInfinite, .largest_jump = kInfinite});
+    std::mt19937 random(7);
+    int slips = 0, beyond = 0;
+    for (int i = 0; i < 150; ++i) {
+      const Pressing at = random_pressing(model, query, profile, 3, random);
+      LoopState state;
+      static_cast<void>(playback.step(at.outside, state));
+      static_cast<void>(playback.step(at.pressed, state));
+      constexpr std::array kJumps = {0.3, 2.0, 10.0};  // [mm]
+      const Command command =
+          playback.step(at.pressed + kJumps[static_cast<std::size_t>(i % 3)] * at.along, state);
+      if (command.state != ContactState::slip) continue;
+      ++slips;
+      const FrictionParts parts = friction_parts(state.place, -command.force);
+      beyond += !(parts.normal >= 0 && std::abs(parts.excess) <= 1e-3);
+    }
+    EXPECT_GT(slips, 70) << friction;
+    EXPECT_LE(beyond, 1) << friction;
+  }
+}
+
+// Presses, slides and lifts. \return [N mm] that the user gained.
+double work_of_loop(Hand& hand, const Pressing& at, double length) {
+  const double before = hand.work;
+  const Eigen::Vector3d end = at.pressed + length * at.along;
+  hand.go(at.outside, kTick);
+  hand.go(at.pressed, kTick);
+  hand.go(end, kTick);
+  hand.go(end + 25 * Eigen::Vector3d::UnitZ(), kTick);
+  return hand.work - before;
+}
+
+// Of the loops that return the whole credit, one is repeated: the way back leads through the air.
+TEST_F(PlaybackInGrooves, GiveTheUserTheCreditOnlyOnce) {
+  const Playback playback(with_friction(0));
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::optional<Pressing> best;
+  double length = 0, most = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Pressing at = random_pressing(model, query, profile, 0.5 + 4.5 * uniform(random), random);
+    const double slide = 10 * uniform(random);
+    Hand hand(playback, at.outside);
+    const double work = work_of_loop(hand, at, slide);
+    EXPECT_LT(work, 0.05);  // [N mm]
+    if (!hand.last.force.isZero(0) || work <= most) continue;
+    most = work;
+    best = at;
+    length = slide;
+  }
+  ASSERT_GT(most, 0.03);
+  Hand hand(playback, best->outside);
+  constexpr int kTouches = 8;
+  for (int i = 0; i < kTouches; ++i) {
+    work_of_loop(hand, *best, length);
+    const Eigen::Vector3d above(best->outside.x(), best->outside.y(), 25);
+    hand.go(above, kTick);
+    hand.go(best->outside, kTick);
+  }
+  // The credit, and a tenth of it for each later touch.
+  EXPECT_LT(hand.work, 0.04 * (1 + 0.1 * (kTouches - 1)) + 0.005);
 }
 
 }  // namespace

@@ -51,8 +51,8 @@ struct PlaybackOptions {
   /// touch to release. A slip that would take more ends early, beyond the friction cone. Where the
   /// contact must go to a place that stores more, as in a sharp groove, the object has only the
   /// share of its force and energy that the user has put in. Eq 5.17 alone returns up to 12 N mm on
-  /// a fitted sheet where mu <= 0.2, and nothing from 0.5 on; infinity keeps to it. See
-  /// docs/trade-playback.md.
+  /// a fitted sheet where mu <= 0.2, and nothing from 0.5 on; infinity keeps to it. A later touch
+  /// has what is left of the credit, and a tenth of it at least. See docs/trade-playback.md.
   double energy_credit = 0.04;
   /// >= 0. Coefficient of contacts whose friction is unknown (`has_unknown_friction`). Such objects
   /// were mostly only pressed; their stiffness across the pressing is an assumption as well.
@@ -80,11 +80,11 @@ struct LoopState {
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();   ///< [mm] the last usable position
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] the last command
   int faulty_ticks = 0;                             ///< in a row until now
-  double work = 0;               ///< [N mm] by the user since the force was 0, with the credit
-  SlipMemory slip;               ///< of the last slip of this touch
-  std::uint64_t playback = 0;    ///< whose state this is
-  DelayedDisplacements delayed;  ///< of the contact; with a rate only
-  bool has_place = false;        ///< whether `place` is that of the contact
+  double work = 0;                                  ///< [N mm] by the user, with the credit
+  SlipMemory slip;                                  ///< of the last slip of this touch
+  std::uint64_t playback = 0;                       ///< whose state this is
+  DelayedDisplacements delayed;                     ///< of the contact; with a rate only
+  bool has_place = false;                           ///< whether `place` is that of the contact
   PlaceField place;
 };
 
