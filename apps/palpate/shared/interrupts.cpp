@@ -34,6 +34,7 @@ std::mutex at_interrupt_mutex;
 std::function<void()> at_interrupt;  // guarded by the mutex
 int signals_to_watcher = -1;         // the end of a pipe; a handler may write to it, but not lock
 
+std::mutex ending_mutex;  // held while the watcher speaks or ends the program, see stop_watching
 std::mutex words_mutex;
 std::string kept = "completed files are kept, no other file was changed";  // guarded by the mutex
 std::string how_to_continue;                                               // the same
@@ -50,6 +51,7 @@ void say(const std::string& words) {
 }
 
 [[noreturn]] void end_program() {
+  const std::lock_guard lock(ending_mutex);
   abandon_temporaries();
   say(interrupt_message());
   ::_exit(kInterruptedStatus);
@@ -66,7 +68,10 @@ bool is_signalled_within(int signals, milliseconds time) {
 /// Ends the program at the next signal, or if it takes too long to stop by itself.
 [[noreturn]] void end_if_it_does_not_stop(int signals) {
   if (is_signalled_within(signals, kUnnoticed)) end_program();
-  say("stopping; press Ctrl-C again to end at once");
+  {
+    const std::lock_guard lock(ending_mutex);
+    say("stopping; press Ctrl-C again to end at once");
+  }
   for (milliseconds waited = kUnnoticed; waited < kLongestStop;) {
     if (is_signalled_within(signals, kStep)) break;
     waited = without_haste > 0 ? milliseconds(0) : waited + kStep;
@@ -102,6 +107,11 @@ void watch_for_interrupts() {
     action.sa_flags = SA_RESTART;
     sigaction(signal, &action, nullptr);
   }
+}
+
+void stop_watching() {
+  static std::once_flag once;
+  std::call_once(once, [] { ending_mutex.lock(); });  // for good
 }
 
 std::string interrupt_message() {

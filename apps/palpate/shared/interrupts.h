@@ -41,6 +41,10 @@ class InterruptMessage {
 /// temporaries. Signals that the program was started to ignore stay ignored.
 void watch_for_interrupts();
 
+/// From now on, Ctrl-C neither ends the program nor prints anything. To be called before the
+/// program ends: its loggers must not be used while they are destroyed.
+void stop_watching();
+
 /// While one exists, the first Ctrl-C does not end the program at once: it makes `check` throw. The
 /// program is ended if that takes longer than `kLongestStop`, or by the second Ctrl-C, of which the
 /// first one tells.

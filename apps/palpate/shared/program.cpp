@@ -42,13 +42,8 @@ std::string without_type_names(const std::string& message) {
   return std::regex_replace(message, type_name, "");
 }
 
-}  // namespace
-
-int run_program(const char* name, const std::function<int()>& run) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-  auto form = std::make_unique<spdlog::pattern_formatter>();
-  form->add_flag<Severity>('*').set_pattern("%n: %*%v");
-  spdlog::set_formatter(std::move(form));
+/// The exit status of `run`; prints what it throws.
+int status_of(const std::function<int()>& run) {
   try {
     watch_for_interrupts();
     return run();
@@ -56,6 +51,7 @@ int run_program(const char* name, const std::function<int()>& run) {
     spdlog::error("{}", without_type_names(e.what()));
     return kProgramWrongCall;
   } catch (const Interrupted& interrupted) {
+    stop_watching();
     spdlog::critical("{}", interrupted.message);
     return kInterruptedStatus;
   } catch (const std::bad_alloc&) {
@@ -69,6 +65,18 @@ int run_program(const char* name, const std::function<int()>& run) {
     spdlog::error("{}", without_type_names(e.what()));
     return kProgramFailed;
   }
+}
+
+}  // namespace
+
+int run_program(const char* name, const std::function<int()>& run) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  auto form = std::make_unique<spdlog::pattern_formatter>();
+  form->add_flag<Severity>('*').set_pattern("%n: %*%v");
+  spdlog::set_formatter(std::move(form));
+  const int status = status_of(run);
+  stop_watching();
+  return status;
 }
 
 }  // namespace palpate::apps

@@ -138,6 +138,22 @@ TEST(Interrupts, EndTheProgramAtTheSecondOneWhateverItDoes) {
   EXPECT_EQ(result.status, kInterruptedStatus);
 }
 
+TEST(Interrupts, LeaveAProgramAloneThatIsEnding) {
+  const ScratchFolder scratch;
+  const CommandResult result = interrupted(scratch, 1, [](const auto& ready) {
+    const InterruptedByThrowing interrupts;
+    ready();
+    try {
+      while (true) InterruptedByThrowing::check();
+    } catch (const Interrupted&) {
+      stop_watching();
+    }
+    std::this_thread::sleep_for(kLongestStop + std::chrono::milliseconds(300));
+  });
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.err, "");
+}
+
 TEST(Interrupts, StayIgnoredIfTheProgramWasStartedSo) {
   const ScratchFolder scratch;
   const CommandResult result = interrupted(scratch, 0, [](const auto&) {
