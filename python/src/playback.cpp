@@ -276,7 +276,8 @@ void add_loop(py::module_& module) {
 
 motion: how a slipping contact moves: 'bracketed', 'brent' or 'friction_boundary'.
 tolerance: [N] a contact holds while |f_T| - mu f_N is at most this.
-energy_credit: [N mm] work that the object does at most on the user from touch to release.
+energy_credit: [N mm] work that the object does at most on the user from touch to release; a later touch has what is left
+  of it, at least a tenth.
 unknown_friction: coefficient of contacts whose friction is unknown.
 largest_jump: [N] by which the force changes in a tick, besides what the stiffness gives.
 start_depth: [mm] a tool that is this far inside at the start touches the nearest point.

@@ -88,7 +88,7 @@ cv::Mat Stage::take(const fs::path& image) {
 void Stage::warn_of_clipping() const {
   if (most_clipped_ <= kMostClipped) return;
   spdlog::warn(
-      "{:.0f} % of the values under {} are at full scale: what they would be is not known. Take "
+      "{:.0f} % of the values under {} are at full scale: their true values are unknown. Take "
       "the images again with a shorter --exposure",
       100 * most_clipped_, brightest_);
 }

@@ -156,7 +156,7 @@ Json refuse_conflicts(const FuseCall& call, const geometry::MergedScans& merged,
       "{} and {} disagree where they overlap: {:.0f} % of the places that the first saw lie behind "
       "the surface of the second, by {:.3g} mm (median){}",
       name(worst.scan), name(worst.other), 100 * worst.share, worst.depth,
-      pairs.size() > 1 ? fmt::format("; so do {} more pairs of scans", pairs.size() - 1) : "");
+      pairs.size() > 1 ? fmt::format("; in all, {} pairs of scans disagree", pairs.size()) : "");
   if (!call.force) {
     throw SolverError(found +
                       ". The object moved, the scans show different scenes, or poses are wrong. "

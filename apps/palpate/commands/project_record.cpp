@@ -74,7 +74,7 @@ ProjectRecord::ProjectRecord(fs::path file) : file_(std::move(file)) {
   } catch (const std::exception& error) {  // of JSON, or a state that is none
     throw FileError(fmt::format(
         "{}: is not a record of palpate run ({}). Without it nothing is known of the results "
-        "beside it: to start again, move it and them elsewhere.",
+        "beside it: to start again, move this file and the results elsewhere.",
         file_.string(), error.what()));
   }
 }

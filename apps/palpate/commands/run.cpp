@@ -114,7 +114,7 @@ Json call_step(const StepCall& call, bool goes_on) {
     return run(call.resuming_words);
   } catch (const InvalidInput& refusal) {
     // The step ended before its command kept anything; what is kept is of an older run.
-    spdlog::info("{}: starts again: {}", call.step->name, refusal.what());
+    spdlog::info("{}: starts from the beginning: {}", call.step->name, refusal.what());
     return run(call.words);
   }
 }

@@ -12,10 +12,10 @@ namespace palpate::haptics {
 namespace {
 
 // [rad] A ball in a dent slips at a larger angle than a point with the same friction, because the
-// object rises ahead of it: standard deviation of the difference, for each unit of the contact's
-// radius over that of the ball, and the most it becomes. Equilibria of soft blocks under balls of 3
-// to 5 mm differ by 0.03 to 0.07 from a quarter of the ball's radius on
-// (docs/probing-validation.md).
+// object bulges in front of it: taken as a standard deviation although it always has this sign, for
+// each unit of the contact's radius over that of the ball, and the most it becomes. Equilibria of
+// soft blocks under balls of 4 and 5 mm differ by 0.03 to 0.07 from a quarter of the ball's radius
+// on (docs/probing-validation.md).
 constexpr double kTurn = 0.2, kMostTurn = 0.055;
 // One-sided 95 % quantile of the normal distribution.
 constexpr double kBoundQuantile = 1.645;
@@ -97,7 +97,7 @@ ContactCones fit_contact_cones(const probing::CheckedAcquisition& acquisition,
     with.load = result.load->load;
     result.cones = fit_cones(acquisition, source, with);
   }
-  // Last, since it is common to all contacts: others cannot tell it.
+  // Last, because the prior must not average away what is common to all contacts.
   const std::optional<double> radius = acquisition.records().probe_radius;
   if (!radius || options.steady_error == 0) return result;
   for (std::size_t i = 0; i < source.size(); ++i) {

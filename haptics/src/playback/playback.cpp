@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_measures.h"

@@ -53,7 +53,7 @@ class SlipSearcher {
   // Takes the last place if it is the best so far; any that pushes is better than one that pulls.
   // False for NaN.
   void keep_best() {
-    const bool pulls = last_.parts.normal < 0, best_pulls = best_.parts.normal < 0;
+    const bool pulls = !(last_.parts.normal >= 0), best_pulls = !(best_.parts.normal >= 0);
     if (pulls != best_pulls ? best_pulls
                             : std::abs(last_.parts.excess) < std::abs(best_.parts.excess))
       best_ = last_;

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <memory>
+#include <new>
 #include <string_view>
 
 #include "palpate/error.h"
@@ -56,8 +56,9 @@ bool can_be_unpacked(std::string_view bytes) {
 void check_elements(const std::filesystem::path& path) {
   constexpr std::size_t kHeader = 128, kByteOrder = 126, kTag = 8;
   constexpr std::uint32_t kCompressed = 15;
+  std::string content(std::filesystem::file_size(path), '\0');
   std::ifstream file(path, std::ios::binary);
-  const std::string content{std::istreambuf_iterator<char>(file), {}};
+  file.read(content.data(), static_cast<std::streamsize>(content.size()));
   const bool swapped = content[kByteOrder] == 'M';  // "IM" where the byte order is this machine's
   const auto word = [&](std::size_t at) {
     std::array<char, 4> bytes{};
@@ -125,7 +126,7 @@ MatArray array_of(const matvar_t& variable, const std::string& where) {
     for (std::size_t i = 0; i < fields; ++i) {
       const matvar_t* const field =
           Mat_VarGetStructFieldByIndex(const_cast<matvar_t*>(&variable), i, 0);
-      if (field == nullptr) refuse(where, std::string("there is no field ") + names[i]);
+      if (field == nullptr) refuse(where, std::string("field ") + names[i] + " cannot be read");
       array.fields[names[i]] = array_of(*field, where + "." + names[i]);
     }
   } else if (array.kind >= MAT_C_DOUBLE && array.kind <= MAT_C_UINT64 && !array.complex) {
@@ -146,6 +147,8 @@ std::map<std::string, MatArray> read_mat(const std::filesystem::path& path) {
     throw FileError(path.string() + ": there is no such file; expected a MAT file");
   if (std::filesystem::file_size(path, error) == 0)
     throw FileError(path.string() + ": the file is empty; expected a MAT file");
+  if (!std::ifstream(path, std::ios::binary))
+    throw FileError(path.string() + ": cannot be read; check its permissions");
   static const bool kListening = Mat_LogInitFunc("palpate", keep_complaint) == 0;
   complaint.clear();
   const std::unique_ptr<mat_t, MatDelete> file(kListening ? Mat_Open(path.c_str(), MAT_ACC_RDONLY)
@@ -163,7 +166,11 @@ std::map<std::string, MatArray> read_mat(const std::filesystem::path& path) {
     if (variable->name != nullptr)
       variables[variable->name] = array_of(*variable, path.string() + ": " + variable->name);
   }
-  if (!complaint.empty()) refuse(path.string(), complaint);
+  if (!complaint.empty()) refuse(path.string(), "libmatio reports: " + complaint);
+  // It returns no variable at the end, and none where it cannot read one.
+  std::size_t expected = 0;
+  Mat_GetDir(file.get(), &expected);
+  if (variables.size() < expected) refuse(path.string(), "some variables cannot be read");
   return variables;
 }
 

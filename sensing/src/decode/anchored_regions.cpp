@@ -11,7 +11,10 @@
 
 #include "image/half_size.h"
 #include "image/hue.h"
+#include "image/image_plane.h"
 #include "palpate/error.h"
+#include "regions/phase_offset.h"
+#include "regions/unwrapping.h"
 
 namespace palpate::sensing {
 namespace {
@@ -80,14 +83,14 @@ void refuse_contradiction(const DecoderGeometry& model, const Labels& connected,
   };
   const auto remedy = [&](const PhaseGuess& right, const PhaseGuess& wrong) {
     const double z = depth_by(model, wrong, right, work);
-    const std::string depth =
-        std::isnan(z) ? "at no depth that the projector can light" : fmt::format("at {:.1f} mm", z);
+    const std::string depth = std::isnan(z) ? "outside the depths that the projector can light"
+                                            : fmt::format("at {:.1f} mm", z);
     return fmt::format("if {} is right, pixel {:g},{:g} is {}", name(right), anchor(wrong).u_px,
                        anchor(wrong).v_px, depth);
   };
   throw InvalidInput(fmt::format(
-      "the anchors {} and {} contradict each other: they are on one smooth surface, but put it {} "
-      "period{} of the sinusoid apart; {}; {}. Measure both again, or leave one out",
+      "the anchors {} and {} contradict each other: they are on one smooth surface, but their "
+      "depths differ by {} period{} of the sinusoid; {}; {}. Measure both again, or leave one out",
       name(pair->first), name(pair->second), pair->periods, pair->periods == 1 ? "" : "s",
       remedy(pair->first, pair->second), remedy(pair->second, pair->first)));
 }

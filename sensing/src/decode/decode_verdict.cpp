@@ -29,8 +29,8 @@ constexpr double kLikely = 0.65;
 /// More than this share of the edges in steady parts of the frame must not be displaced.
 constexpr double kMostDisplaced = 0.5;
 
-/// On coloured surfaces parts of the frame are displaced with the right rig too, so they are looked
-/// at iff at least this share of the hues are trained ones.
+/// On coloured surfaces parts of the frame are displaced with the right rig too, so they make a
+/// frame that agrees as a whole wrong iff at least this share of the hues are trained ones.
 constexpr double kLeastTrainedParts = 0.6;
 /// Successive bands of rows do not fit iff more than kMostDisplaced of their edges are displaced,
 /// and at least this share of the frame's edges is theirs. A lens whose colours part displaces
@@ -176,12 +176,12 @@ bool others_fit(const DecodeEvidence& evidence, const Bands& bands) {
 
 DecodeJudgement torn(const DecodeEvidence& evidence, const Bands& bands) {
   return {DecodeVerdict::torn_frames,
-          fmt::format("rows {} to {} do not fit the pattern, although most others do: the sinusoid "
-                      "is away from where the stripes put it. Rows were lost or shifted in "
-                      "transfer (check cable, bandwidth and buffers, and record again), or the "
-                      "scene moved while these rows were exposed",
-                      bands.first * evidence.rows / kRowBands,
-                      bands.last * evidence.rows / kRowBands - 1)};
+          fmt::format(
+              "stripes and sinusoid are shifted against each other in rows {} to {}. Either "
+              "rows were lost or shifted in transfer (check the camera's cable, bandwidth "
+              "and buffers, and record again), or the scene moved while these rows were "
+              "exposed. If all frames name rows, calibrate again",
+              bands.first * evidence.rows / kRowBands, bands.last * evidence.rows / kRowBands - 1)};
 }
 
 /// What makes the phases differ if no simple exchange does.
@@ -221,11 +221,12 @@ double change_with_depth(const DepthTrend& trend) {
 }
 
 DecodeJudgement wrong_depths(double change) {
-  return {DecodeVerdict::wrong_rig,
-          fmt::format("stripes and sinusoid move against each other by {:.2f} px between near and "
-                      "far parts of what is seen: the baseline of the rig seems to be another (has "
-                      "camera or projector moved?), or a focal length is",
-                      change)};
+  return {
+      DecodeVerdict::wrong_rig,
+      fmt::format("stripes and sinusoid move against each other by {:.2f} px between near and "
+                  "far parts of the scene: the baseline or a focal length of the rig is probably "
+                  "wrong. Calibrate again if the camera or the projector was moved",
+                  change)};
 }
 
 /// Whether rows are exchanged or doubled, as in interlaced video.

@@ -227,6 +227,20 @@ TEST(MatFile, OfAnotherKindIsRefusedWithWhatWouldBeRight) {
               HasSubstr("is not a MAT file of version 5 to 7.3"));
 }
 
+TEST(MatFile, OfVersion73ThatIsCutOffIsRefused) {
+  const ScratchFolder folder;
+  const Eigen::MatrixXd f = awkward(200, 3);
+  write_mat(folder / "m.mat", mat_variables(mat_variable("F", f), mat_variable("G", f)),
+            MAT_COMPRESSION_NONE, MAT_FT_MAT73);
+  const std::string whole = read_text(folder / "m.mat");
+  ASSERT_EQ(mat_column(folder / "m.mat", "F(:,1)"), as_list(f.col(0)));
+  constexpr std::size_t kLengths = 24;
+  for (std::size_t i = 0; i < kLengths; ++i) {
+    write_text(folder / "c.mat", whole.substr(0, whole.size() * i / kLengths));
+    EXPECT_THROW(static_cast<void>(mat_column(folder / "c.mat", "F(:,1)")), FileError) << i;
+  }
+}
+
 TEST(MatFile, ThatIsCutOffOrDamagedNeverGivesOtherNumbersSilently) {
   const ScratchFolder folder;
   const Eigen::MatrixXd f = awkward(20, 3);

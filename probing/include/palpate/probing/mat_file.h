@@ -12,7 +12,7 @@
 namespace palpate::probing {
 
 /// Reads a MAT file of version 5 to 7.3 (MATLAB, Octave, SciPy), compressed or not, of either byte
-/// order, with libmatio.
+/// order, with libmatio, whose messages it takes over for the whole process.
 class MatFile {
  public:
   /// \throws FileError if the file is missing, cut off or damaged; for another version, with the
