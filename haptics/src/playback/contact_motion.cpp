@@ -19,7 +19,7 @@ constexpr int kSteps = 8;
 // Both limit the time of a tick.
 constexpr int kBits = 14;
 constexpr std::uintmax_t kMaxEvaluations = 16;
-// The friction boundary is searched in so many halvings of the line: to 1e-7 of it.
+// Number of halvings of the line in the search for the friction boundary: to 1e-7 of it.
 constexpr int kHalvings = 24;
 
 TouchPoint touch_point(const BlendedField& field, const Eigen::Matrix3Xd& normals,

@@ -25,7 +25,7 @@ constexpr double kAtBorder = 1e-7;
 // A Jacobian is used while its determinant is at least this much of its squared norm, which is as
 // for stiffnesses in two directions that differ by a factor of 100. 0.5 is the most.
 constexpr double kLeastDeterminant = 0.01;
-// The first stiffness in the plane is at most so many times that of the whole displacement.
+// Largest ratio of the first stiffness in the plane to that of the whole displacement.
 constexpr double kStiffest = 2;
 // Stored energy counts as increased by more than this [N mm]: some rounding errors of energies up
 // to 1e3 N mm.

@@ -14,7 +14,7 @@ namespace {
 // Distance outside the surface at which the search for a hit starts, as a fraction of the surface's
 // diagonal: far above rounding (1e-16), far below what a user can feel.
 constexpr double kOffsetRatio = 1e-9;
-// A contact lies on an edge if it is at most so many offsets away: then even in a crease of 0.6
+// A contact lies on an edge if it is at most this number of offsets away. Even in a crease of 0.6
 // degrees the start is in front of both sides.
 constexpr double kOnEdge = 100;
 // The start is in front of all sides of a crease if its direction has at least this cosine to their

@@ -15,14 +15,14 @@
 namespace palpate::sensing {
 namespace {
 
-/// About so many scanlines are looked at, and so many rows for their hues.
+/// Approximate numbers of scanlines that are compared, and of rows whose hues are.
 constexpr long kScanlines = 120;
 constexpr long kHueLines = 40;
 
 /// Distance from an edge at which its sides have their own hue [px].
 constexpr long kSide = 4;
 
-/// A hue is that of a trained colour iff it is within so many of its deviations.
+/// A hue is that of a trained colour iff it is within this number of its deviations.
 constexpr double kReach = 3;
 
 /// The colours of a pattern are closer than this to each other's channels exchanged, or the
