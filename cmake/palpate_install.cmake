@@ -7,11 +7,12 @@ configure_package_config_file(
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)
-# Part of the lowest component: whoever installs anything installs geometry.
+# Part of the lowest component: whoever installs anything installs core.
 install(FILES ${PROJECT_BINARY_DIR}/palpateConfig.cmake ${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT geometry)
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT core)
 # For projects that use pkg-config. What the public headers of each component need:
-set(needs_geometry "eigen3 >= 3.4")
+set(needs_core "")
+set(needs_geometry "palpate_core = ${PROJECT_VERSION}, eigen3 >= 3.4")
 set(needs_sensing "palpate_geometry = ${PROJECT_VERSION}, opencv4 >= 4.6")
 set(needs_probing "palpate_geometry = ${PROJECT_VERSION}")
 set(needs_haptics "palpate_probing = ${PROJECT_VERSION}")
@@ -21,7 +22,7 @@ file(RELATIVE_PATH to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 get_target_property(definitions palpate_geometry INTERFACE_COMPILE_DEFINITIONS)
 list(TRANSFORM definitions PREPEND -D)
 list(JOIN definitions " " definitions)
-foreach(name IN ITEMS geometry sensing probing haptics c)
+foreach(name IN ITEMS core geometry sensing probing haptics c)
   set(requires ${needs_${name}})
   configure_file(${CMAKE_CURRENT_LIST_DIR}/palpate.pc.in ${PROJECT_BINARY_DIR}/palpate_${name}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/palpate_${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT ${name})
@@ -35,7 +36,7 @@ else()
   set(licence_of_build "This build contains no code under the GNU General Public License.")
 endif()
 configure_file(${CMAKE_CURRENT_LIST_DIR}/NOTICE.in ${PROJECT_BINARY_DIR}/NOTICE @ONLY)
-install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_BINARY_DIR}/NOTICE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/palpate COMPONENT geometry)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_BINARY_DIR}/NOTICE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/palpate COMPONENT core)
 # For programs that read a model without the library.
 install(FILES ${PROJECT_SOURCE_DIR}/docs/field.schema.json ${PROJECT_SOURCE_DIR}/docs/read_model.py
         DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate COMPONENT haptics)

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "commands/all_commands.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/program.h"

@@ -28,8 +28,8 @@
 #include <numbers>
 #include <ostream>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::pictures {
 namespace {

@@ -13,7 +13,7 @@
 #include "canvas.h"
 #include "color_scale.h"
 #include "input_checks.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "surface_view.h"
 
 namespace palpate::pictures {

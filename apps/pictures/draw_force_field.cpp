@@ -9,7 +9,7 @@
 #include "chart.h"
 #include "force_field_scene.h"
 #include "input_checks.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "ticks.h"
 
 namespace palpate::pictures {

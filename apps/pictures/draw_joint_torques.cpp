@@ -11,7 +11,7 @@
 #include "canvas.h"
 #include "chart.h"
 #include "input_checks.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "ticks.h"
 
 namespace palpate::pictures {

@@ -8,7 +8,7 @@
 
 #include "canvas.h"
 #include "color_map.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "ticks.h"
 
 namespace palpate::pictures {

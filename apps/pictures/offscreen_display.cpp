@@ -23,7 +23,7 @@
 #include <string>
 #include <thread>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::pictures {
 namespace {

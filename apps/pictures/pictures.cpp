@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each function calls the one of the same name in the module `pictures`, which loads VTK.
 #include "drawings.h"
-#include "palpate/module.h"
+#include "palpate/core/module.h"
 
 namespace palpate::pictures {
 namespace {

@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "panel_window.h"
 #include "shared/command_line.h"

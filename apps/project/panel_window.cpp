@@ -11,7 +11,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::project {
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::view {

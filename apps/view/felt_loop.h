@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "latest_value.h"
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/device_loop.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/tool_world.h"

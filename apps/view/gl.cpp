@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::view {
 namespace {

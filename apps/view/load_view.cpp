@@ -7,7 +7,7 @@
 #include "acquisition_view.h"
 #include "mesh_view.h"
 #include "model_view.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/trajectory_file.h"

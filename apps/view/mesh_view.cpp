@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "camera_control.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "panel.h"

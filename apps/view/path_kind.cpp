@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <string>
 
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "shared/inputs.h"
 
 namespace palpate::view {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/range_map_score.h"
 #include "palpate/sensing/reason_image.h"
 

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "camera_control.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "panel.h"
 #include "scene_renderer.h"

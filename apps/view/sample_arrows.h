@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/probing/acquisition.h"

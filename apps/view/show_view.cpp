@@ -12,8 +12,8 @@
 #include <iostream>
 #include <regex>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "shared/interrupts.h"
 #include "shared/progress.h"
 #include "window.h"

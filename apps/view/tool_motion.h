@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/surface_query.h"
 
 namespace palpate::view {

@@ -6,8 +6,8 @@
 #include <set>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/play_friction.h"

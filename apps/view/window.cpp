@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "panel.h"
 #include "theme.h"

@@ -6,7 +6,7 @@
 #include <new>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace {
 

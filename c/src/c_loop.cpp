@@ -5,9 +5,9 @@
 #include <string>
 
 #include "c_calls.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/device_run.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::c {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "c_calls.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/haptics/model_bytes.h"
 #include "palpate/haptics/model_io.h"

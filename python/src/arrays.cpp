@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::python {
 namespace {

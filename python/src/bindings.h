@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 // What the parts of the module share. Each part adds its classes and functions.
 namespace palpate::python {

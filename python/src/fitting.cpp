@@ -14,7 +14,7 @@
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/contact_surface.h"
 #include "plausible.h"

@@ -4,7 +4,7 @@
 
 #include <pybind11/pybind11.h>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/plausibility.h"
 
 namespace palpate::python {

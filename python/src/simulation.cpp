@@ -17,7 +17,7 @@
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/specimen_trials.h"
 #include "palpate/probing/virtual_arm.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::python {
 namespace {

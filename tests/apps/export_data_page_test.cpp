@@ -10,7 +10,7 @@
 
 #include "commands/page_file.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/frame.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "fuzz_readers.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern_design.h"

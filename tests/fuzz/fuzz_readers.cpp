@@ -16,7 +16,7 @@
 #include <string>
 
 #include "fuzz_readers.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/haptics/evaluate.h"

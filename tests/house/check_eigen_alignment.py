@@ -8,7 +8,7 @@ import re
 import sys
 from pathlib import Path
 
-GUARD = "palpate/eigen_alignment.h"
+GUARD = "palpate/geometry/eigen_alignment.h"
 
 
 def unguarded(repository):

@@ -8,7 +8,7 @@ import re
 import sys
 from pathlib import Path
 
-SOURCES = {"geometry": "geometry/src", "sensing": "sensing/src", "probing": "probing/src",
+SOURCES = {"core": "core/src", "geometry": "geometry/src", "sensing": "sensing/src", "probing": "probing/src",
            "haptics": "haptics/src", "palpate": "apps/palpate"}
 INCLUDE = re.compile(r'#include "([^"]+)"')
 

@@ -31,9 +31,10 @@ endfunction()
 
 file(REMOVE_RECURSE ${SCRATCH_DIR})
 
-# 1. Only geometry is installed: it is enough for a user of geometry, whose flags change how Eigen aligns and allocates
+# 1. Only core and geometry are installed: it is enough for a user of geometry, whose flags change how Eigen aligns and allocates
 # matrices; they are exchanged all the same.
 set(prefix ${SCRATCH_DIR}/geometry_only)
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --component core)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --component geometry)
 set(flags -march=native)
 set(compilers ${CXX})
@@ -163,7 +164,7 @@ endif()
 file(GLOB_RECURSE module ${prefix}/libpalpate_video_capture*)
 file(REMOVE ${module})
 decode_video()
-if(NOT status EQUAL 1 OR NOT output MATCHES "libpalpate_video_capture.*cannot be loaded.*beside libpalpate_geometry")
+if(NOT status EQUAL 1 OR NOT output MATCHES "libpalpate_video_capture.*cannot be loaded.*beside libpalpate_core")
   message(FATAL_ERROR "a module that is missing is not named (${status}):\n${output}")
 endif()
 

@@ -9,7 +9,7 @@
 
 #include "child_processes.h"
 #include "offscreen_display.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 using palpate::pictures::child_processes;
 using palpate::pictures::OffscreenDisplay;

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 
 #ifdef __SANITIZE_ADDRESS__

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/hole_filling.h"
 
 namespace palpate::geometry::test {

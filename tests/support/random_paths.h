@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/contact_equilibrium.h"
 #include "solid_meshes.h"
 

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate {
 

@@ -8,7 +8,7 @@
 #include "maker/page_text.h"
 #include "palpate/haptics/model_bytes.h"
 #include "palpate/haptics/playable.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::web {
 

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::web {
 namespace {

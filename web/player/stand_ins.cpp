@@ -3,10 +3,10 @@
 
 // What the library does with threads, words and other libraries, in a page that has none of them.
 #include "geodesic/geodesic_methods.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/contact_triangulation.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 
 namespace palpate {
 

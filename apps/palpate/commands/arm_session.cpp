@@ -12,7 +12,7 @@
 #include <string>
 
 #include "commands/probe_arm.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/pictures/draw_force_errors.h"
 #include "palpate/pictures/draw_joint_torques.h"
 #include "palpate/pictures/draw_touch.h"

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/known_forces.h"

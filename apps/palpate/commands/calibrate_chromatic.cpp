@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/chromatic_calibration.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern_image.h"

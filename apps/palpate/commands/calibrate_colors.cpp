@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/pictures/draw_hues.h"
 #include "palpate/sensing/color_overlap.h"
 #include "palpate/sensing/response.h"

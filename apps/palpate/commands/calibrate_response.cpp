@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/pictures/draw_section.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/harmonics.h"
 #include "palpate/sensing/response.h"

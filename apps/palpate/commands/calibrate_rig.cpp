@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "commands/printed_board.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "palpate/pictures/draw_residuals.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/board_print.h"
 #include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"

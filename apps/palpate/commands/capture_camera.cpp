@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 

@@ -10,7 +10,7 @@
 
 #include "commands/capture_camera.h"
 #include "commands/decode_input.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/decodable.h"
 #include "palpate/sensing/decode_frame.h"
 #include "palpate/sensing/pattern.h"

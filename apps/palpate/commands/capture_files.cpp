@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/file_names.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/output_file.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/tiff_frame.h"
 

@@ -12,8 +12,8 @@
 #include <opencv2/core.hpp>
 #include <thread>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/decodable.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/recording.h"

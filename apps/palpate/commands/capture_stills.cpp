@@ -11,9 +11,9 @@
 
 #include "commands/capture.h"
 #include "commands/capture_stage.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 #include "shared/call_checks.h"
 #include "shared/inputs.h"

@@ -14,8 +14,8 @@
 
 #include "commands/cloud_steps.h"
 #include "commands/describe_cloud.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/cloud_selection.h"
 #include "shared/call_checks.h"

@@ -7,7 +7,7 @@
 #include "commands/cloud_steps.h"
 #include "commands/color_picture.h"
 #include "commands/describe_cloud.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_selection.h"
 #include "palpate/geometry/range_map_cloud.h"
 #include "shared/call_checks.h"

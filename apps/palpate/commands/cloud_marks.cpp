@@ -7,7 +7,7 @@
 
 #include "commands/cloud_step_notes.h"
 #include "commands/cloud_steps.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_clusters.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/cloud_shapes.h"

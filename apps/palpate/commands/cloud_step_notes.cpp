@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_selection.h"
 
 namespace palpate::apps {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "commands/cloud_step_notes.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/cloud_outliers.h"

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "commands/surface_colors.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/rig.h"
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "commands/in_both.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cross_section.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_distance.h"
@@ -25,7 +25,7 @@
 #include "palpate/pictures/draw_differences.h"
 #include "palpate/pictures/draw_distances.h"
 #include "palpate/pictures/draw_section.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/depth_score.h"

@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/harmonics.h"
 #include "shared/inputs.h"
 

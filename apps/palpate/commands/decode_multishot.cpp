@@ -13,7 +13,7 @@
 
 #include "commands/decode_input.h"
 #include "commands/decode_record.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"

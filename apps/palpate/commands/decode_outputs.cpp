@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "commands/surface_colors.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/pictures/draw_deviation.h"

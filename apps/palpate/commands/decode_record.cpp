@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "commands/decode_outputs.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/csv.h"
 #include "shared/inputs.h"
 

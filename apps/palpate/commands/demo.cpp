@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "commands/demo.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "shared/bundled_files.h"
 #include "shared/command_line.h"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/error_statistics.h"
 

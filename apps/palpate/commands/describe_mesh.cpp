@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "commands/describe_cloud.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"

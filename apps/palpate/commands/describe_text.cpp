@@ -16,7 +16,7 @@
 #include "commands/capture_files.h"
 #include "commands/decode_record.h"
 #include "commands/describe_project.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"

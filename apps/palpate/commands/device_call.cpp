@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string_view>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::apps {
 namespace {

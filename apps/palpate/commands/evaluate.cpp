@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"

@@ -8,7 +8,7 @@
 #include "commands/color_picture.h"
 #include "commands/export_page.h"
 #include "commands/mesh_steps.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/haptics/model_io.h"

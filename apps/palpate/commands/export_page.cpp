@@ -11,10 +11,10 @@
 #include "commands/page_file.h"
 #include "commands/range_page.h"
 #include "maker/model_page.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/sensing/depth_image.h"
 #include "shared/play_friction.h"
 

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/edge_splitting.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/fit_surface_response.h"

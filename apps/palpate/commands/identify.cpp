@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/plausible.h"

@@ -15,7 +15,7 @@
 #include "commands/describe_project.h"
 #include "commands/describe_text.h"
 #include "commands/project_record.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"

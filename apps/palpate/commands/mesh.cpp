@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "commands/mesh_steps.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/pictures/draw_mesh.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/rig.h"
-#include "palpate/work_in_order.h"
+#include "palpate/core/work_in_order.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"

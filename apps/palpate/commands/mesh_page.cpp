@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "commands/page_file.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/packed_image.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "commands/color_picture.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/attribute_transfer.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"

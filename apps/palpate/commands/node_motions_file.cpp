@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 
 namespace palpate::apps {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/simulated_hand.h"
 #include "palpate/haptics/trajectory_device.h"

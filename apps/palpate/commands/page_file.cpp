@@ -12,9 +12,9 @@
 
 #include "maker/html_text.h"
 #include "maker/page_text.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
-#include "palpate/work_in_order.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/core/work_in_order.h"
 #include "shared/bundled_files.h"
 #include "shared/progress.h"
 

@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/geometry/geodesic_path.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/triangle_mesh.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"

@@ -15,7 +15,7 @@
 #include "commands/play_device.h"
 #include "commands/play_options.h"
 #include "commands/play_scene.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/tool_radius.h"
 #include "palpate/haptics/trajectory_csv.h"

@@ -19,7 +19,7 @@
 #include "commands/play_scene.h"
 #include "commands/play_session.h"
 #include "commands/pose_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/device_run.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/scene_world.h"

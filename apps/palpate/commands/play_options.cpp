@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::apps {
 namespace {

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/scene_file.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "shared/inputs.h"
 #include "shared/play_friction.h"
 #include "shared/words.h"

@@ -11,7 +11,7 @@
 
 #include "commands/play_device.h"
 #include "commands/play_scene.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/loop_record.h"
 #include "shared/fingerprint.h"
 #include "shared/played_model.h"

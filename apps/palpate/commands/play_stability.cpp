@@ -9,7 +9,7 @@
 
 #include "commands/opened_device.h"
 #include "commands/play_device.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/device_stability.h"
 #include "shared/played_model.h"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <tuple>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 
 namespace palpate::apps {

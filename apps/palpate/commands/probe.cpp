@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "commands/probe.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_import.h"

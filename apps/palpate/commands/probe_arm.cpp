@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/arm_reach.h"

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/campaign_trial.h"
 #include "shared/command_line.h"

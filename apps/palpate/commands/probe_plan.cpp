@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "commands/probe.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_query.h"

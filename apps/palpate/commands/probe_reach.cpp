@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/triangle_mesh.h"
 

@@ -11,9 +11,9 @@
 
 #include "commands/probe.h"
 #include "commands/probe_campaign.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/campaign_options_text.h"
 #include "shared/call_checks.h"

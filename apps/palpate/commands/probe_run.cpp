@@ -14,7 +14,7 @@
 #include "commands/probe_arm.h"
 #include "commands/probe_campaign.h"
 #include "commands/probe_reach.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/campaign.h"

@@ -11,9 +11,9 @@
 
 #include "commands/probe.h"
 #include "commands/probe_truth.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/csv.h"
 #include "palpate/probing/known_forces.h"
 #include "palpate/probing/specimen_file.h"

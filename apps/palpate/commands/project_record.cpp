@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

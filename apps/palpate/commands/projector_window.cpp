@@ -13,7 +13,7 @@
 #include <system_error>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 extern char** environ;
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "commands/page_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/packed_image.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/reason_image.h"

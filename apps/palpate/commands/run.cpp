@@ -15,7 +15,7 @@
 #include "commands/project_record.h"
 #include "commands/run_calls.h"
 #include "commands/run_plan.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "shared/command_line.h"
 #include "shared/folder_lock.h"
 #include "shared/interrupts.h"

@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "commands/all_commands.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "shared/inputs.h"
 #include "shared/wrong_call.h"
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 
 #include "commands/run_calls.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 

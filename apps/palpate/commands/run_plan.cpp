@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::apps {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/progress.h"

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/sensing/frame.h"
 #include "shared/command_line.h"

@@ -15,7 +15,7 @@
 #include "commands/node_motions_file.h"
 #include "commands/surface_tracker.h"
 #include "commands/track_record.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"

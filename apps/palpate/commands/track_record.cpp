@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 

@@ -12,17 +12,17 @@
 #include <string_view>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_map.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/scale_model.h"
 #include "palpate/haptics/transfer_model.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/pictures/draw_distances.h"
 #include "palpate/probing/csv.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/bundled_files.h"
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::apps {
 

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

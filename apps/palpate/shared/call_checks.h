@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::apps {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "shared/words.h"
 

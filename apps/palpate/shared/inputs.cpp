@@ -12,8 +12,8 @@
 #include <string>
 #include <system_error>
 
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/frame_source.h"

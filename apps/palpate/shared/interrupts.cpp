@@ -17,7 +17,7 @@
 #include <thread>
 #include <utility>
 
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::apps {
 namespace {

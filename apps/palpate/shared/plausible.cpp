@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/plausibility.h"
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playable.h"
 #include "shared/fingerprint.h"

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "shared/interrupts.h"
 #include "shared/progress.h"
 

@@ -9,7 +9,7 @@
 #include <iterator>
 #include <system_error>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::apps {
 namespace {

@@ -8,9 +8,9 @@
 #include <system_error>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/file_names.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/output_file.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::apps {
 namespace {

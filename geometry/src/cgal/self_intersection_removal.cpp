@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_repair.h"

@@ -3,10 +3,10 @@
 // Replaces the sources in cgal/ in a build without CGAL.
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/self_intersection_removal.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

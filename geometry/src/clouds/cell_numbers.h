@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/numbers.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "base/numbers.h"
-#include "base/work_steps.h"
+#include "palpate/core/work_steps.h"
 #include "clouds/known_points.h"
 #include "clouds/point_tree.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 

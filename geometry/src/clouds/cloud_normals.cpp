@@ -8,9 +8,9 @@
 #include "base/numbers.h"
 #include "clouds/normal_sides.h"
 #include "clouds/point_tree.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/numbers.h"
 #include "clouds/point_tree.h"
 #include "palpate/geometry/cloud_distance.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "base/numbers.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "clouds/shape_models.h"
 #include "clouds/shape_search.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/work_steps.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/work_steps.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 

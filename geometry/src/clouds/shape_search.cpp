@@ -3,7 +3,7 @@
 #include "clouds/shape_search.h"
 
 #include "clouds/known_points.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 

@@ -13,7 +13,7 @@
 #include "contacts/intrinsic_coarsening.h"
 #include "contacts/intrinsic_triangulation.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "base/work_steps.h"
+#include "palpate/core/work_steps.h"
 #include "contacts/contact_weights.h"
 #include "contacts/intrinsic_triangulation.h"
 #include "palpate/geometry/contact_triangulation.h"

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

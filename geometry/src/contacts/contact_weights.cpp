@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

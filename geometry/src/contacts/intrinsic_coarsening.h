@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "base/work_steps.h"
+#include "palpate/core/work_steps.h"
 #include "contacts/intrinsic_triangulation.h"
 
 namespace palpate::geometry {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 
 namespace palpate::geometry {

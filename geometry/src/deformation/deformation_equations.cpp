@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "base/rigid_motion.h"
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 
 // The unknowns of a node are its rotation about its own position, times the spacing of the nodes,
 // and its translation. All six are lengths, so the matrix does not depend on the unit of length.

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "deformation/nearest_rotation.h"
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

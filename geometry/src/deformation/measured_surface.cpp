@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/rigid_motion.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 // A motion is a rotation about a centre, times the spacing of the nodes, and a translation.
 

@@ -17,10 +17,10 @@
 #include "deformation/elastic_surface.h"
 #include "deformation/landmark_warp.h"
 #include "deformation/nearest_rotation.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

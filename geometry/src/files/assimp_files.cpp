@@ -10,10 +10,10 @@
 #include <string>
 #include <string_view>
 
-#include "base/input_file.h"
+#include "palpate/core/input_file.h"
 #include "files/file_formats.h"
-#include "palpate/error.h"
-#include "palpate/module.h"
+#include "palpate/core/error.h"
+#include "palpate/core/module.h"
 
 namespace palpate::geometry {
 namespace {

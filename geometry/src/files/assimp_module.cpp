@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "files/assimp_files.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

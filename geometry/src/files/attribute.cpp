@@ -10,9 +10,9 @@
 #include <set>
 #include <type_traits>
 
-#include "base/input_file.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/input_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

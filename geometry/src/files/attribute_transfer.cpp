@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

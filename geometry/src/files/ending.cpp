@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "base/input_file.h"
+#include "palpate/core/input_file.h"
 #include "files/file_formats.h"
 
 namespace palpate::geometry {

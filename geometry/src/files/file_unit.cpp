@@ -6,9 +6,9 @@
 #include <array>
 #include <cctype>
 
-#include "base/input_file.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/input_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -9,7 +9,7 @@
 #include "files/file_unit.h"
 #include "files/pcd_fields.h"
 #include "files/scalar_type.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -12,10 +12,10 @@
 #include <string>
 #include <string_view>
 
-#include "base/input_file.h"
+#include "palpate/core/input_file.h"
 #include "files/ply_header.h"
 #include "files/scalar_type.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

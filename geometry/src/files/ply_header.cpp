@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "base/input_file.h"
-#include "palpate/error.h"
+#include "palpate/core/input_file.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

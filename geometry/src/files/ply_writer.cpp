@@ -10,7 +10,7 @@
 #include "files/file_unit.h"
 #include "files/ply_header.h"
 #include "files/scalar_type.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -13,7 +13,7 @@
 #include <utility>
 #include <variant>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "base/input_file.h"
+#include "palpate/core/input_file.h"
 
 namespace palpate::geometry {
 namespace {

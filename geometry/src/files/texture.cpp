@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "mesh/same_places.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "geodesic/geodesic_methods.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 

@@ -8,7 +8,7 @@
 #include "geodesic/straight_strip.h"
 #include "geodesic/window_propagation.h"
 #include "geodesic/window_trace.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "geodesic/triangle_strip.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

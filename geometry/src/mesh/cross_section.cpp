@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/numbers.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {

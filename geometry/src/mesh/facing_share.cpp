@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "mesh/triangle_fans.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

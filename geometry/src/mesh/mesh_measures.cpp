@@ -13,7 +13,7 @@
 #include "base/numbers.h"
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {

@@ -10,7 +10,7 @@
 
 #include "base/numbers.h"
 #include "mesh/edge_table.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

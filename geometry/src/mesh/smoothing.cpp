@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "palpate/geometry/mesh_topology.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/numbers.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 
 namespace palpate::geometry {

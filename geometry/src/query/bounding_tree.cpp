@@ -5,7 +5,7 @@
 #include <bit>
 #include <limits>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

@@ -14,7 +14,7 @@
 #include "mesh/edge_table.h"
 #include "mesh/same_places.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

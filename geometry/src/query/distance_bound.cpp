@@ -14,9 +14,9 @@
 #include "base/numbers.h"
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 #include "query/distance_piece.h"
 
 namespace palpate::geometry {

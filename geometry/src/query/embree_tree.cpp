@@ -8,8 +8,8 @@
 #include <string>
 #include <type_traits>
 
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 #include "query/quick_tree.h"
 
 namespace palpate::geometry {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 #include "query/morton_curve.h"
 
 namespace palpate::geometry {

@@ -14,11 +14,11 @@
 
 #include "base/numbers.h"
 #include "mesh/editable_mesh.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "mesh/exact_predicates.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 #include "query/bounding_tree.h"
 #include "query/local_frame.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/numbers.h"
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 #include "query/surface_tree.h"
 
 namespace palpate::geometry {

@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "base/numbers.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 #include "query/local_frame.h"
 #include "query/tree_walk.h"
 #include "query/triangle_packet.h"

@@ -11,7 +11,7 @@
 
 #include "base/disjoint_sets.h"
 #include "base/numbers.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

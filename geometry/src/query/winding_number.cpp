@@ -13,8 +13,8 @@
 
 #include "base/numbers.h"
 #include "mesh/triangle_primitives.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 #include "query/local_frame.h"
 
 namespace palpate::geometry {

@@ -8,9 +8,9 @@
 #include <limits>
 #include <string>
 
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 #include "range_map/pixel_rays.h"
 
 namespace palpate::geometry {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -18,10 +18,10 @@
 #include <string>
 #include <system_error>
 
-#include "base/input_file.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/input_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/core/parallel_for.h"
 #include "range_map/pixel_rays.h"
 
 namespace palpate::geometry {

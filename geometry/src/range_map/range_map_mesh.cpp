@@ -12,9 +12,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "base/numbers.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

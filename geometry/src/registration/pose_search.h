@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "base/work_steps.h"
+#include "palpate/core/work_steps.h"
 #include "registration/registration_target.h"
 
 namespace palpate::geometry {

@@ -13,9 +13,9 @@
 #include "base/numbers.h"
 #include "mesh/compact_mesh.h"
 #include "mesh/edge_table.h"
-#include "palpate/error.h"
-#include "palpate/module.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/error.h"
+#include "palpate/core/module.h"
+#include "palpate/core/parallel_for.h"
 #include "registration/registration_pcl.h"
 
 namespace palpate::geometry {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/rigid_motion.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "base/numbers.h"
 #include "palpate/geometry/mesh_measures.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "scans/distance_volume.h"
 #include "scans/registered_scans.h"
 #include "scans/scan_conflicts.h"

@@ -6,7 +6,7 @@
 
 #include "base/numbers.h"
 #include "base/rigid_motion.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {

@@ -10,7 +10,7 @@
 
 #include "base/numbers.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "palpate/geometry/mesh_topology.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {

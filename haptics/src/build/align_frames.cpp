@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {

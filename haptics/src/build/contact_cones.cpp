@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -15,9 +15,9 @@
 #include "fit/left_out_pairs.h"
 #include "fit/pressing_field.h"
 #include "fit/unmeasured_directions.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "build/made.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/contact_compliance.h"
 
 namespace palpate::haptics {

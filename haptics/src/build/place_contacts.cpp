@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/facing_share.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/haptics/rounding.h"

@@ -12,7 +12,7 @@
 #include <string>
 
 #include "build/made.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::haptics {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "build/left_out_blend.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/force_field_fit.h"
@@ -18,8 +18,8 @@
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "build/made.h"
 #include "build/surface_refinement.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/contact_compliance.h"

@@ -13,7 +13,7 @@
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

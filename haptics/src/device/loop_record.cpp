@@ -18,7 +18,7 @@
 #include <thread>
 #include <type_traits>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/arm_description_json.h"
 
 namespace palpate::haptics {

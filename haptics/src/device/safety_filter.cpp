@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "device/tick_clock.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 // Units: mm, N, s, and so masses in N s^2/mm (1000 kg).
 namespace palpate::haptics {

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::haptics {
 

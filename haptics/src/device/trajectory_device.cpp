@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "device/tick_clock.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 

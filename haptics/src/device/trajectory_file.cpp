@@ -12,9 +12,9 @@
 #include <string>
 #include <system_error>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/trajectory_csv.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::haptics {
 namespace {

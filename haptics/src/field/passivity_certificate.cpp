@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "field/energy_bound.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

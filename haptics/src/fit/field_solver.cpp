@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "fit/stiffness_constraint.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::haptics {
 namespace {

@@ -21,8 +21,8 @@
 #include "fit/local_fit.h"
 #include "fit/unmeasured_directions.h"
 #include "fit/whitened_problem.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

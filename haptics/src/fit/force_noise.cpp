@@ -9,7 +9,7 @@
 
 #include "fit/field_objective.h"
 #include "palpate/geometry/median.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -12,10 +12,10 @@
 #include <optional>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

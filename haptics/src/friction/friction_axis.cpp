@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/probing/measurable.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -13,10 +13,10 @@
 #include "friction/bent_trials.h"
 #include "friction/slip_intervals.h"
 #include "friction/slip_likelihood.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/probing/measurable.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

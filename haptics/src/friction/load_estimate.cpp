@@ -13,7 +13,7 @@
 #include "friction/slip_likelihood.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "palpate/haptics/friction_cone.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -16,8 +16,8 @@
 #include "identify/held_forces.h"
 #include "identify/parameter_estimation.h"
 #include "identify/strip_energy.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "identify/held_forces.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::haptics {
 namespace {

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

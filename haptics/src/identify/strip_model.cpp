@@ -12,8 +12,8 @@
 #include <limits>
 
 #include "identify/strip_energy.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -10,8 +10,8 @@
 #include "model/compliance_kriging.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

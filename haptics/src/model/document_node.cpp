@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::haptics {
 namespace {

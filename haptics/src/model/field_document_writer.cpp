@@ -11,7 +11,7 @@
 #include "model/field_document.h"
 #include "model/field_document_format.h"
 #include "model/stored_form.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::haptics {
 namespace {

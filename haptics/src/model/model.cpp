@@ -7,9 +7,9 @@
 #include <optional>
 #include <unordered_set>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

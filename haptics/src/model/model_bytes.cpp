@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::haptics {
 namespace {

@@ -13,9 +13,9 @@
 #include "model/field_document.h"
 #include "model/field_document_format.h"
 #include "model/surface_response_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::haptics {
 namespace {

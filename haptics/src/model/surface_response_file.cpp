@@ -9,8 +9,8 @@
 #include <ostream>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::haptics {
 namespace {

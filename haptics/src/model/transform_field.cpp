@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "fit/convex_fit.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "playback/slip_search.h"
 #include "playback/surface_side.h"
 

@@ -6,8 +6,8 @@
 #include <ostream>
 #include <string_view>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/csv.h"
 
 namespace palpate::haptics {

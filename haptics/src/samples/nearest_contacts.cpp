@@ -13,7 +13,7 @@
 #include <limits>
 #include <utility>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
 
 namespace palpate::haptics {

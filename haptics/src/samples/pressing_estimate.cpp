@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "samples/pressing_data.h"
 #include "samples/pressing_statistics.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "palpate/geometry/median.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 #include "samples/nearest_contacts.h"
 #include "samples/pressing_stack.h"
 

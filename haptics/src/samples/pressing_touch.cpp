@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 #include "samples/pressing_stack.h"
 
 namespace palpate::haptics {

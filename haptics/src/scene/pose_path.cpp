@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/probing/csv.h"
 

@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "model/document_node.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/trajectory_file.h"
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/csv.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

@@ -16,7 +16,7 @@
 #include "arm/arm_motion.h"
 #include "arm/resting_window.h"
 #include "arm/work_meter.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

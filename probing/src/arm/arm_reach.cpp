@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

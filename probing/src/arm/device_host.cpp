@@ -18,7 +18,7 @@
 
 #include "arm/device_structs.h"
 #include "arm/host_messages.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/plugin_arm.h"
 #include "palpate/probing/real_time.h"
 

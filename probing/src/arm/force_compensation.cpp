@@ -10,7 +10,7 @@
 #include <numbers>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

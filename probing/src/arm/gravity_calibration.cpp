@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "arm/device_structs.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/device_plugin.h"
 
 namespace palpate::probing {

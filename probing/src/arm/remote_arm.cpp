@@ -20,8 +20,8 @@
 
 #include "arm/device_structs.h"
 #include "arm/host_messages.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 extern char** environ;
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::probing {
 

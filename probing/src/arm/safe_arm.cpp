@@ -9,8 +9,8 @@
 #include <string>
 #include <system_error>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

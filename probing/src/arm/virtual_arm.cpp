@@ -12,8 +12,8 @@
 
 #include "arm/link_dynamics.h"
 #include "arm/simulated_contact.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 // Units: mm, N, s, and so masses in N s^2/mm (1000 kg) and inertias in N mm s^2 (1000 kg mm^2).
 namespace palpate::probing {

@@ -11,8 +11,8 @@
 #include "campaign/error_statement.h"
 #include "campaign/neighbour_prediction.h"
 #include "campaign/tangential_force.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "records/record_hash.h"
 
 namespace palpate::probing {

@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "records/record_hash.h"
 
 namespace palpate::probing {

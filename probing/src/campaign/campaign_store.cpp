@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "campaign/writer_lock.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/csv.h"
 #include "records/database.h"
 

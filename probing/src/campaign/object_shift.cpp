@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

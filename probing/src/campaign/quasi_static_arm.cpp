@@ -12,7 +12,7 @@
 
 #include "palpate/geometry/surface_query.h"
 #include "palpate/probing/specimen_response.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "records/record_hash.h"
 
 namespace palpate::probing {

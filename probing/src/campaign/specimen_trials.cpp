@@ -12,8 +12,8 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 #include "palpate/probing/adaptive_trials.h"
 #include "palpate/probing/probing_program.h"
 

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <string>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 // Free motion: s = s_0 + v_0 t + (1000 / m) (travel(t) + e t^2 / 2) with travel the double integral
 // of the commanded force, and 1000 mm/s^2 = 1 N/kg. The unknowns (s_0, v_0, 1/m, e/m) have Gaussian

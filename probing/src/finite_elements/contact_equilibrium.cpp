@@ -16,8 +16,8 @@
 #include "finite_elements/contact_system.h"
 #include "finite_elements/deformable_body.h"
 #include "finite_elements/rest_equilibrium.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

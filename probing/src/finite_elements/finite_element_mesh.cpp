@@ -12,8 +12,8 @@
 
 #include "finite_elements/finite_element_tools.h"
 #include "finite_elements/quadratic_tetrahedron.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "finite_elements/finite_element_tools.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/finite_element_mesh.h"
 
 namespace palpate::probing {

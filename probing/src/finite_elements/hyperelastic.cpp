@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

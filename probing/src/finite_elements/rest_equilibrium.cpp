@@ -8,7 +8,7 @@
 
 #include "finite_elements/contact_newton.h"
 #include "finite_elements/deformable_body.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

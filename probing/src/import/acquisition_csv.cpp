@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "import/import_columns.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/acquisition_import.h"
 #include "palpate/probing/csv.h"
 

@@ -14,7 +14,7 @@
 #include "import/import_tables.h"
 #include "import/sample_rows.h"
 #include "import/series_rows.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

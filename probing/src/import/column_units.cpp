@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "import/import_columns.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/csv.h"
 

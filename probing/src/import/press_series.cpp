@@ -13,7 +13,7 @@
 #include "import/series_fields.h"
 #include "import/surface_touch.h"
 #include "import/tip_slides.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/csv.h"
 
 namespace palpate::probing {

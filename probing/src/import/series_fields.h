@@ -5,7 +5,7 @@
 #include <array>
 
 #include "palpate/probing/press_series.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 

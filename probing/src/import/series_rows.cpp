@@ -10,7 +10,7 @@
 
 #include "import/import_columns.h"
 #include "import/press_samples.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/probing/csv.h"
 

@@ -9,9 +9,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/measurable.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

@@ -10,8 +10,8 @@
 #include <system_error>
 #include <utility>
 
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "palpate/probing/csv.h"
 #include "records/database.h"
 

@@ -11,7 +11,7 @@
 #include <ostream>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "records/file_kind.h"
 
 namespace palpate::probing {

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/acquisition.h"
 
 // SQLite for the stores of this room and above.

@@ -14,7 +14,7 @@
 #include <new>
 #include <string_view>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "specimen/closed_form_fields.h"
 #include "specimen/finite_vector.h"
 

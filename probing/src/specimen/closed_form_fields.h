@@ -3,7 +3,7 @@
 #pragma once
 
 #include "palpate/probing/closed_form.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/finite_element_specimen.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

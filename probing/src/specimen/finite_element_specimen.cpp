@@ -11,9 +11,9 @@
 #include <string>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "specimen/finite_vector.h"
 
 namespace palpate::probing {

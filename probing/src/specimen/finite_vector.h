@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <string_view>
 
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 

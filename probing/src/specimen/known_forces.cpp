@@ -11,11 +11,11 @@
 #include <random>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_topology.h"
-#include "palpate/parallel_for.h"
-#include "palpate/require.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 
 namespace palpate::probing {
 namespace {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/closed_form.h"
 #include "specimen/closed_form_fields.h"
 #include "specimen/finite_element_file.h"

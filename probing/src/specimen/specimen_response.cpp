@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/specimen_response.h"
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

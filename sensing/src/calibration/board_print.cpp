@@ -7,7 +7,7 @@
 
 #include <ostream>
 
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::sensing {
 

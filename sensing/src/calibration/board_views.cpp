@@ -12,8 +12,8 @@
 #include "calibration/found_board.h"
 #include "calibration/lit_grid.h"
 #include "image/image_plane.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/gray_code.h"
 
 namespace palpate::sensing {

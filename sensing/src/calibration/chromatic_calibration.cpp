@@ -16,9 +16,9 @@
 #include "calibration/period_count.h"
 #include "calibration/white_view.h"
 #include "image/hue.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/pattern_image.h"
 #include "phase/chromatic.h"
 

@@ -7,7 +7,7 @@
 #include <opencv2/core/eigen.hpp>
 
 #include "files/storage_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::sensing {
 namespace {

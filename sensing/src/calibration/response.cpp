@@ -8,8 +8,8 @@
 #include <ostream>
 
 #include "files/storage_file.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::sensing {
 namespace {

@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "image/image_plane.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/response.h"
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "setup/lens_jacobian.h"
 
 namespace palpate::sensing {

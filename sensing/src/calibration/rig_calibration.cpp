@@ -15,9 +15,9 @@
 #include "calibration/rig_advice.h"
 #include "calibration/rig_fit.h"
 #include "calibration/rig_move.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "calibration/lens_calibration.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
 
 namespace palpate::sensing {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "setup/lens_jacobian.h"
 
 namespace palpate::sensing {

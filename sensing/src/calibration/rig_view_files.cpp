@@ -12,8 +12,8 @@
 
 #include "files/image_codecs.h"
 #include "files/storage_file.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/gray_code.h"
 

@@ -15,7 +15,7 @@
 #include "capture/aravis_camera.h"
 #include "capture/frame_numbers.h"
 #include "capture/pixel_format.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace {
 

@@ -5,9 +5,9 @@
 #include "capture/aravis_camera.h"
 #include "capture/simulated_camera.h"
 #include "capture/v4l2_camera.h"
-#include "palpate/error.h"
-#include "palpate/module.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/module.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 

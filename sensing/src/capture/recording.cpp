@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "capture/recording_queue.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

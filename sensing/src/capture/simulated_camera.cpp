@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "capture/pixel_format.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame_source.h"
 
 namespace palpate::sensing {

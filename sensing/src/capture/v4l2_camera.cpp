@@ -20,9 +20,9 @@
 #include "capture/frame_numbers.h"
 #include "files/storage_file.h"
 #include "files/video_capture.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
-#include "palpate/module.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/module.h"
 
 namespace palpate::sensing {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "colors/hue_classifier.h"
 #include "colors/training_hues.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

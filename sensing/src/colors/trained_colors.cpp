@@ -14,10 +14,10 @@
 #include "colors/training_hues.h"
 #include "files/storage_file.h"
 #include "image/hue.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
-#include "palpate/output_file.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/output_file.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 
 namespace palpate::sensing {

@@ -12,7 +12,7 @@
 #include "image/half_size.h"
 #include "image/hue.h"
 #include "image/image_plane.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "regions/phase_offset.h"
 #include "regions/unwrapping.h"
 

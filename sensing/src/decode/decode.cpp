@@ -28,7 +28,7 @@
 #include "image/image_plane.h"
 #include "image/pool.h"
 #include "image/reasons.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "phase/demodulation.h"
 #include "phase/edge_blur.h"
 #include "phase/modulation.h"

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::sensing {
 namespace {

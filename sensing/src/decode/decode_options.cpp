@@ -8,8 +8,8 @@
 
 #include "decode/decoder_geometry.h"
 #include "image/half_size.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

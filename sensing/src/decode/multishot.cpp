@@ -15,8 +15,8 @@
 #include "decode/plausibility.h"
 #include "image/hue.h"
 #include "image/reasons.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "phase/shifted_noise.h"
 #include "phase/shifted_phase.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "image/hot_loop.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "setup/rig_jacobian.h"
 
 namespace palpate::sensing {

@@ -13,7 +13,7 @@
 #include "image/gaussian_blur.h"
 #include "image/hue.h"
 #include "image/image_plane.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
 #include "setup/carrier.h"
 #include "setup/triangulation.h"

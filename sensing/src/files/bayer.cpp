@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::sensing {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "image/hot_pixels.h"
 #include "image/image_plane.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

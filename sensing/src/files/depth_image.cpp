@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 
 namespace palpate::sensing {

@@ -11,9 +11,9 @@
 #include "files/png_image.h"
 #include "files/storage_file.h"
 #include "image/image_plane.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::sensing {
 namespace {

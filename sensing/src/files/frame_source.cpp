@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "files/video_file.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/sensing/decodable.h"
 #include "palpate/sensing/frame.h"
 

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 
 #include "files/storage_file.h"
-#include "palpate/error.h"
-#include "palpate/module.h"
+#include "palpate/core/error.h"
+#include "palpate/core/module.h"
 
 namespace palpate::sensing {
 namespace {

@@ -13,8 +13,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/memory_limit.h"
+#include "palpate/core/error.h"
+#include "palpate/core/memory_limit.h"
 
 namespace palpate::sensing {
 namespace {

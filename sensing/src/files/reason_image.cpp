@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/tiff_frame.h"
 

@@ -11,8 +11,8 @@
 #include <type_traits>
 
 #include "image/image_plane.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 
 namespace palpate::sensing {
 namespace {

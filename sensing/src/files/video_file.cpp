@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "files/storage_file.h"
-#include "palpate/error.h"
-#include "palpate/file_names.h"
-#include "palpate/module.h"
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/module.h"
 
 namespace palpate::sensing {
 namespace {

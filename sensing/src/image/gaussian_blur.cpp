@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 namespace palpate::sensing {
 namespace {

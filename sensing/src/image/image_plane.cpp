@@ -9,7 +9,7 @@
 #include <string>
 
 #include "image/hot_loop.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::sensing {
 namespace {

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "image/image_plane.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

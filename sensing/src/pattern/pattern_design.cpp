@@ -9,8 +9,8 @@
 #include <sstream>
 #include <string>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/pattern_colors.h"
 #include "palpate/sensing/stripe_sequence.h"
 #include "setup/carrier.h"

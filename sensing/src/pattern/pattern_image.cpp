@@ -11,8 +11,8 @@
 #include <numbers>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/gray_code.h"
 
 namespace palpate::sensing {

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "image/image_plane.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/median.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "files/storage_file.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/bayer.h"
 
 namespace palpate::sensing {

@@ -8,9 +8,9 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "image/gaussian_blur.h"
 #include "image/image_plane.h"
-#include "palpate/error.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 #include "simulation/camera_electronics.h"
 #include "simulation/light_path.h"
 #include "simulation/projector_panel.h"

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "files/storage_file.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
-#include "palpate/require.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/core/require.h"
 #include "palpate/sensing/virtual_sensor.h"
 
 namespace palpate::sensing {

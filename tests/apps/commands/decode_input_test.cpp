@@ -13,7 +13,7 @@
 #include <sstream>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::apps {
 namespace {

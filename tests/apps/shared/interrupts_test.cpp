@@ -19,7 +19,7 @@
 #include <string>
 #include <thread>
 
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {

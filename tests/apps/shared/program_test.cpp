@@ -11,7 +11,7 @@
 #include <new>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "run_palpate.h"
 #include "shared/progress.h"
 

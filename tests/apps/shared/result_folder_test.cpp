@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {

@@ -8,7 +8,7 @@
 
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "solid_meshes.h"
 #include "solids.h"
 

@@ -16,7 +16,7 @@
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/left_out_contact.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/specimen_response.h"
 #include "scratch_folder.h"

@@ -13,7 +13,7 @@
 
 #include "comparison.h"
 #include "objects.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "tables.h"
 
 namespace palpate::bench {

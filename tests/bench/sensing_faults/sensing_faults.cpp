@@ -16,8 +16,8 @@
 
 #include "faults.h"
 #include "more_scenes.h"
-#include "palpate/error.h"
-#include "palpate/output_file.h"
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "palpate/sensing/decode.h"
 #include "rendered_scenes.h"
 #include "simulated_scenes.h"

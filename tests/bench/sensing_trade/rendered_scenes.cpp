@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/frame_source.h"
 

@@ -12,7 +12,7 @@
 
 #include "half_resolution.h"
 #include "measure.h"
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 #include "picture.h"
 #include "rendered_scenes.h"
 #include "report.h"

@@ -9,7 +9,7 @@
 
 #include "contacts/contact_testing.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "refusal.h"
 #include "test_surfaces.h"

@@ -11,7 +11,7 @@
 
 #include "contacts/contact_testing.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "refusal.h"
 #include "repository.h"

@@ -10,7 +10,7 @@
 
 #include "contacts/contact_testing.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "refusal.h"
 #include "test_surfaces.h"
 

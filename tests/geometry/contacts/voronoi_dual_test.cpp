@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "contacts/contact_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "refusal.h"

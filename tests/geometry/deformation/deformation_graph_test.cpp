@@ -11,7 +11,7 @@
 
 #include "file_testing.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "test_surfaces.h"
 

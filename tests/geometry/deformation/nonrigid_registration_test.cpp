@@ -15,7 +15,7 @@
 #include "file_testing.h"
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "range_map_scene.h"
 #include "test_surfaces.h"

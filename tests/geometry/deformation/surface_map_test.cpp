@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "dense_sampling.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "refusal.h"
 #include "test_surfaces.h"
 

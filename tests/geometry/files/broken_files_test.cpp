@@ -15,7 +15,7 @@
 
 #include "file_testing.h"
 #include "files/random_mesh_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 
 // Assimp forgets some of what it read where it gives up on a damaged glTF.

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "file_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 
 namespace palpate::geometry {

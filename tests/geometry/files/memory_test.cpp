@@ -15,10 +15,10 @@
 #include <vector>
 
 #include "file_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
-#include "palpate/memory_limit.h"
+#include "palpate/core/memory_limit.h"
 #include "refusal.h"
 
 namespace palpate::geometry {

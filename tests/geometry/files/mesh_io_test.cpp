@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "file_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "test_surfaces.h"
 

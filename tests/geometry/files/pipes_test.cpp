@@ -14,7 +14,7 @@
 #include "file_testing.h"
 #include "files/ending.h"
 #include "files/random_mesh_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/point_file.h"
 #include "palpate/geometry/range_map.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "file_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "test_surfaces.h"
 

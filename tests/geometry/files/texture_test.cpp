@@ -9,7 +9,7 @@
 
 #include "file_testing.h"
 #include "files/random_mesh_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "refusal.h"

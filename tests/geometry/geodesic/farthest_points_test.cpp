@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "test_surfaces.h"
 

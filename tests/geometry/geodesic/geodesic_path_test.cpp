@@ -18,7 +18,7 @@
 #include "geodesic/geodesic_testing.h"
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "refusal.h"

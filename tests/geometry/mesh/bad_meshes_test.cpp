@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "broken_meshes.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/deformation_graph.h"

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/surface_query.h"
 #include "test_surfaces.h"

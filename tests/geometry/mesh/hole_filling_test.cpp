@@ -12,7 +12,7 @@
 #include "cgal_availability.h"
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "test_surfaces.h"

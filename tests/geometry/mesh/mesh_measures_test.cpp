@@ -9,7 +9,7 @@
 
 #include "file_testing.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {

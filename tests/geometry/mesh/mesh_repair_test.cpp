@@ -15,7 +15,7 @@
 
 #include "broken_meshes.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "test_surfaces.h"

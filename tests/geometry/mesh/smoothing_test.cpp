@@ -12,7 +12,7 @@
 #include "file_testing.h"
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "test_surfaces.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "refusal.h"
 #include "test_surfaces.h"
 

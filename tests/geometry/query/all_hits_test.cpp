@@ -10,7 +10,7 @@
 
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "test_surfaces.h"
 

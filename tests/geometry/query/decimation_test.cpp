@@ -16,7 +16,7 @@
 
 #include "dense_sampling.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "repository.h"

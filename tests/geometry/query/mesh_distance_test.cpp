@@ -11,7 +11,7 @@
 
 #include "dense_sampling.h"
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "refusal.h"
 #include "test_surfaces.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "mesh_corpus.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"

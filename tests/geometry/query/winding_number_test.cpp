@@ -11,7 +11,7 @@
 
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "file_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

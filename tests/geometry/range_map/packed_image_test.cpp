@@ -9,7 +9,7 @@
 #include <random>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

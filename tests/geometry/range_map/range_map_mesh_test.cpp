@@ -17,7 +17,7 @@
 
 #include "file_testing.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "repository.h"
 
 namespace palpate::geometry {

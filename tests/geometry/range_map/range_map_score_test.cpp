@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

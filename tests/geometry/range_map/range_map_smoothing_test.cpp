@@ -11,7 +11,7 @@
 #include <random>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::geometry {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "refusal.h"
 #include "registration/registration_testing.h"
 #include "test_surfaces.h"

@@ -18,7 +18,7 @@
 #include "dense_sampling.h"
 #include "mesh_corpus.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/range_map_mesh.h"

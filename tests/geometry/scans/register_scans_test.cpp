@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_surfaces.h"
 #include "told_progress.h"
 

@@ -10,7 +10,7 @@
 
 #include "device/hooked_device.h"
 #include "device/slow_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/simulated_hand.h"

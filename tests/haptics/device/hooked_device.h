@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/arm.h"
 
 namespace palpate::haptics {

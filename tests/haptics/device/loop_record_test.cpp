@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "device/slow_file.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
 #include "refusal.h"
 #include "scratch_folder.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "probing_arm.h"
 #include "refusal.h"
 

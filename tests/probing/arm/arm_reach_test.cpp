@@ -10,7 +10,7 @@
 #include <random>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/arm_setup.h"
 #include "palpate/probing/closed_form.h"
 #include "test_surfaces.h"

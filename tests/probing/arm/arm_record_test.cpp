@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "probing_arm.h"
 #include "refusal.h"
 #include "scratch_folder.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/arm_reach.h"
 #include "palpate/probing/closed_form.h"
 #include "refusal.h"

@@ -13,7 +13,7 @@
 
 #include "block_specimen.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/gravity_calibration.h"
 #include "palpate/probing/joint_controller.h"
 #include "palpate/probing/virtual_arm.h"

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/safe_arm.h"
 #include "refusal.h"
 #include "scratch_folder.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "refusal.h"
 #include "scratch_folder.h"
 

@@ -14,7 +14,7 @@
 
 #include "faulty_arm.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/arm_kinematics.h"
 #include "refusal.h"
 #include "scratch_folder.h"

@@ -14,7 +14,7 @@
 
 #include "block_specimen.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/arm_setup.h"
 #include "palpate/probing/closed_form.h"
 #include "refusal.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "campaign/campaign_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/force_surrogate.h"
 #include "palpate/probing/known_forces.h"
 #include "sticking_ball.h"

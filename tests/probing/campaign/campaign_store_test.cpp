@@ -16,7 +16,7 @@
 #include <string>
 
 #include "campaign/campaign_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/fingerprint.h"

@@ -12,7 +12,7 @@
 #include <set>
 
 #include "campaign/campaign_testing.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

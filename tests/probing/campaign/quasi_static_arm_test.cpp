@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/closed_form.h"
 #include "palpate/probing/probing_program.h"
 

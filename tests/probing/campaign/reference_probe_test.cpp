@@ -11,7 +11,7 @@
 
 #include "campaign/campaign_testing.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/closed_form.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/specimen_file.h"

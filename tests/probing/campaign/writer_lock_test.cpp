@@ -8,7 +8,7 @@
 #include <fstream>
 #include <optional>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "scratch_folder.h"
 
 namespace palpate::probing {

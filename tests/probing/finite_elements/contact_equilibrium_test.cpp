@@ -10,7 +10,7 @@
 #include <random>
 #include <thread>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "random_paths.h"
 
 namespace palpate::probing {

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <numbers>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/finite_element_mesh.h"
 
 namespace palpate::probing {

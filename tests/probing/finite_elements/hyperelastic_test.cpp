@@ -7,7 +7,7 @@
 
 #include <Eigen/LU>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

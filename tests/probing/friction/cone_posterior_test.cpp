@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 namespace {

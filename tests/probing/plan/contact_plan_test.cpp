@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "refusal.h"
 #include "test_surfaces.h"

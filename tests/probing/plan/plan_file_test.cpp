@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/closed_form.h"
 #include "palpate/probing/contact_plan.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "refusal.h"
 
 namespace palpate::probing {

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/specimen_file.h"
 #include "refusal.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/specimen.h"
 
 namespace palpate::probing::testing {

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/probing/closed_form.h"
 #include "sticking_ball.h"
 

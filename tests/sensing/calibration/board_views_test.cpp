@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "calibration/synthetic_board.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/board_print.h"
 #include "palpate/sensing/gray_code.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "calibration/synthetic_board.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/rig_calibration.h"
 #include "synthetic_scene.h"
 #include "test_files.h"

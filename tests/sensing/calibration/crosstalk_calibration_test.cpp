@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/decode.h"
 #include "synthetic_scene.h"
 #include "test_files.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "calibration/synthetic_board.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "setup/rig_jacobian.h"
 #include "setup/triangulation.h"
 #include "test_files.h"

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calibration/synthetic_board.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/gray_code.h"
 #include "palpate/sensing/rig_calibration.h"
 #include "test_files.h"

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <thread>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/live_camera.h"
 #include "test_files.h"
 

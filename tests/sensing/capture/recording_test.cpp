@@ -13,7 +13,7 @@
 #include <thread>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/tiff_frame.h"
 #include "test_files.h"
 

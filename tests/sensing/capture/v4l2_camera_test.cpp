@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "image/hue.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "synthetic_scene.h"
 #include "test_files.h"
 

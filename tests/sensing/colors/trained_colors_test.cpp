@@ -9,7 +9,7 @@
 #include <numbers>
 #include <random>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "test_files.h"
 

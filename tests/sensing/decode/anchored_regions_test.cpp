@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/decode.h"
 #include "synthetic_scene.h"
 #include "test_files.h"

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
-#include "palpate/work_in_order.h"
+#include "palpate/core/error.h"
+#include "palpate/core/work_in_order.h"
 #include "synthetic_scene.h"
 
 namespace palpate::sensing {

@@ -12,7 +12,7 @@
 
 #include "image/image_plane.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "synthetic_scene.h"
 #include "test_files.h"

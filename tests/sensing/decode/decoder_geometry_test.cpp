@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "synthetic_scene.h"
 
 namespace palpate::sensing {

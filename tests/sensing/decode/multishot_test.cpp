@@ -13,7 +13,7 @@
 
 #include "decode/period_code.h"
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/gray_code.h"
 #include "palpate/sensing/pattern_design.h"
 #include "synthetic_scene.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "setup/moved_rig.h"
 #include "setup/triangulation.h"
 

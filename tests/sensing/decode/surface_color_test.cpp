@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "synthetic_scene.h"
 
 namespace palpate::sensing {

@@ -11,7 +11,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

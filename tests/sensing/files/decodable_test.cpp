@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/tiff_frame.h"
 #include "test_files.h"

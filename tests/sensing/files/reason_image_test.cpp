@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

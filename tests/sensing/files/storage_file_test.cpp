@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

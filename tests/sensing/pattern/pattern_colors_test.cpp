@@ -9,7 +9,7 @@
 #include <set>
 
 #include "image/hue.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

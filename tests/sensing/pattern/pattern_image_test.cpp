@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/pattern_design.h"
 #include "phase/chromatic.h"
 #include "synthetic_scene.h"

@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

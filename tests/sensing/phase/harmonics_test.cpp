@@ -10,7 +10,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/response.h"
 #include "synthetic_scene.h"
 #include "test_files.h"

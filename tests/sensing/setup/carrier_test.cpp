@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "synthetic_scene.h"
 #include "test_files.h"
 

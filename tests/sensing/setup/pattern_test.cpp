@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "not_finite.h"
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "synthetic_scene.h"
 #include "test_files.h"
 

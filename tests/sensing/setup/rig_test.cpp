@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "test_files.h"
 
 namespace palpate::sensing {

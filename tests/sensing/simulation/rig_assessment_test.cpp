@@ -8,7 +8,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "synthetic_scene.h"
 #include "test_files.h"
 

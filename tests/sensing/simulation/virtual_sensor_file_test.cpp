@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/sensing/virtual_sensor.h"
 #include "test_files.h"
 

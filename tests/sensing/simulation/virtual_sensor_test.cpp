@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "synthetic_scene.h"
 #include "test_files.h"
 

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::geometry {
 

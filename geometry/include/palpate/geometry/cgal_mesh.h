@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 /// Conversion to and from CGAL's Surface_mesh. No other header of Palpate includes this one or

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <functional>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 /// Distances between points. For distances from a surface see `distances_to_surface`
 /// (mesh_distance.h).

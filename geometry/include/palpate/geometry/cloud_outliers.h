@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 /// Points of a cloud (3 x N [mm]) that are not outliers. Points with a coordinate that is not
 /// finite are left out and are nobody's neighbours. Results do not depend on the order of the

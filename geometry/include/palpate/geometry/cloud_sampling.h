@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 /// Fewer points of a cloud (3 x N [mm]) that cover it as evenly. Points with a coordinate that is
 /// not finite are left out.

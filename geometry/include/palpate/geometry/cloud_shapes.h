@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 /// Planes, spheres and cylinders in a cloud of points (3 x N [mm]).
 ///

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 /// Views of the same numbers in the shapes of other libraries, without a copy. A view is valid as
 /// long as its matrix or list is neither moved nor resized.

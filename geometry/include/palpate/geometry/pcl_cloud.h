@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/triangle_mesh.h"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/passivity_observer.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/safety_filter.h"

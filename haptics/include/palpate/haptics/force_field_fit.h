@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/force_field.h"
 #include "palpate/haptics/passivity_certificate.h"
 

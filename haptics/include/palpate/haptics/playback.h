@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/contact_motion.h"
 #include "palpate/haptics/packed_field.h"
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::haptics {
 

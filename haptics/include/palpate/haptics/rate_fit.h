@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/force_field.h"
 #include "palpate/haptics/rate_law.h"
 

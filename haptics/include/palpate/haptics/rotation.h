@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::haptics {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::haptics {
 

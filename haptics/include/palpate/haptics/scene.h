@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/playback.h"
 
 namespace palpate::haptics {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/pose_path.h"
 #include "palpate/haptics/scene.h"
 #include "palpate/haptics/timed_path.h"

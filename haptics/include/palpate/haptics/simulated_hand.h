@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/timed_path.h"
 #include "palpate/probing/arm.h"
 

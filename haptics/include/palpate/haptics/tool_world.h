@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/playback.h"
 
 namespace palpate::haptics {

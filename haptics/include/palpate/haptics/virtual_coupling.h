@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::haptics {
 

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::probing {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/press_series.h"
 #include "palpate/probing/table_reader.h"
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/probing/arm_kinematics.h"
 #include "palpate/probing/contact_plan.h"

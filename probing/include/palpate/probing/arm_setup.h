@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/arm_reach.h"

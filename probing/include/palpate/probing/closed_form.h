@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/specimen.h"
 
 // Objects whose displacements follow from forces in closed form, or by minimising a stated energy.

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/finite_element_mesh.h"
 #include "palpate/probing/hyperelastic.h"
 

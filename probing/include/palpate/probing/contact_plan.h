@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/acquisition.h"
 

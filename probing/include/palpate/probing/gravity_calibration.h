@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/arm.h"
 #include "palpate/probing/force_compensation.h"
 #include "palpate/probing/joint_controller.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/specimen.h"
 #include "palpate/probing/specimen_response.h"
 

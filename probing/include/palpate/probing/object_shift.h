@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/prober.h"
 

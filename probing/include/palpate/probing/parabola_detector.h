@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/approach_signal.h"
 
 namespace palpate::probing {

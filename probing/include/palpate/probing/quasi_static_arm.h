@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/prober.h"
 #include "palpate/probing/specimen.h"
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <thread>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/arm.h"
 
 namespace palpate::probing {

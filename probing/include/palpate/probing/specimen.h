@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::probing {

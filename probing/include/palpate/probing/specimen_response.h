@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/specimen.h"
 
 namespace palpate::probing {

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <utility>
 
-#include "palpate/eigen_alignment.h"
-#include "palpate/error.h"
+#include "palpate/geometry/eigen_alignment.h"
+#include "palpate/core/error.h"
 
 namespace palpate::probing {
 

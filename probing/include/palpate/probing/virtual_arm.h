@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/arm.h"
 #include "palpate/probing/arm_kinematics.h"
 #include "palpate/probing/specimen.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::sensing {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "base/work_steps.h"
+#include "palpate/core/work_steps.h"
 
 #include <gtest/gtest.h>
 

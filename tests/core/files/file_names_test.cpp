@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/file_names.h"
+#include "palpate/core/file_names.h"
 
 #include <gtest/gtest.h>
 

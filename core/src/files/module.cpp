@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/module.h"
+#include "palpate/core/module.h"
 
 #include <dlfcn.h>
 
 #include <filesystem>
 #include <string>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/work_in_order.h"
+#include "palpate/core/work_in_order.h"
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_pipeline.h>
@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/thread_order.h"
-#include "palpate/error.h"
-#include "palpate/require.h"
+#include "threads/thread_order.h"
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/work_in_order.h"
+#include "palpate/core/work_in_order.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate {
 namespace {

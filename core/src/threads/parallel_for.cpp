@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "base/thread_order.h"
+#include "threads/thread_order.h"
 
 namespace palpate {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/require.h"
+#include "palpate/core/require.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate {
 namespace {

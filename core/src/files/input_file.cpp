@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "base/input_file.h"
+#include "palpate/core/input_file.h"
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
 
-#include "palpate/error.h"
-#include "palpate/memory_limit.h"
+#include "palpate/core/error.h"
+#include "palpate/core/memory_limit.h"
 
-namespace palpate::geometry {
+namespace palpate {
 
 namespace fs = std::filesystem;
 
@@ -82,4 +82,4 @@ std::string quoted(std::string_view text) {
   return result;
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace palpate::geometry {
+namespace palpate {
 
 /// The whole content of a file, or what comes through a pipe until it is closed.
 /// \throws FileError if it is missing, neither a regular file nor a pipe, empty or unreadable.
@@ -40,4 +40,4 @@ template <typename Number>
   return number;
 }
 
-}  // namespace palpate::geometry
+}  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/parallel_for.h"
+#include "palpate/core/parallel_for.h"
 
 #include <gtest/gtest.h>
 

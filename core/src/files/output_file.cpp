@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -23,7 +23,7 @@
 #include <string>
 #include <system_error>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate {
 namespace {

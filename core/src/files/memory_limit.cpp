@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/memory_limit.h"
+#include "palpate/core/memory_limit.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "palpate/error.h"
+#include "palpate/core/error.h"
 
 namespace palpate {
 namespace {

@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/module.h"
+#include "palpate/core/module.h"
 
 #include <gtest/gtest.h>
 
-#include "file_testing.h"
-#include "palpate/error.h"
+#include "throws_message.h"
+#include "palpate/core/error.h"
 
 namespace palpate {
 namespace {
 
 TEST(Module, OneThatIsMissingIsNamedWithTheFolderWhereItHasToBe) {
   for (const char* const words : {"/libpalpate_nowhere-", "cannot open shared object file",
-                                  "installed beside libpalpate_geometry.so"}) {
+                                  "installed beside libpalpate_core.so"}) {
     EXPECT_THROWS_MESSAGE((void)module_symbol("nowhere"), Error, words);
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/output_file.h"
+#include "palpate/core/output_file.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -23,10 +23,11 @@
 #include <thread>
 #include <vector>
 
-#include "file_testing.h"
-#include "palpate/error.h"
+#include "full_disk.h"
+#include "throws_message.h"
+#include "palpate/core/error.h"
 
-namespace palpate::geometry {
+namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -471,7 +472,7 @@ TEST(WriteFolder, RefusesAFolderOfAnotherKindBeforeItWritesAnything) {
 }
 
 }  // namespace
-}  // namespace palpate::geometry
+}  // namespace palpate
 
 // The calls of the library come here first, because the program is searched before the system's
 // libraries.
@@ -482,7 +483,7 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
 }
 
-palpate::geometry::WatchedCalls* watch() { return palpate::geometry::WatchedCalls::current; }
+palpate::WatchedCalls* watch() { return palpate::WatchedCalls::current; }
 
 }  // namespace
 
