@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "commands/all_commands.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/program.h"
 #include "shared/wrong_call.h"
+#include "whole/all_commands.h"
 
 namespace palpate::apps {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "commands/page_file.h"
+#include "export/page_file.h"
 #include "not_finite.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"

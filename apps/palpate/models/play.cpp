@@ -1,0 +1,285 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "models/play_device.h"
+#include "models/play_options.h"
+#include "models/play_scene.h"
+#include "palpate/core/error.h"
+#include "palpate/haptics/playback.h"
+#include "palpate/haptics/tool_radius.h"
+#include "palpate/haptics/trajectory_csv.h"
+#include "palpate/haptics/trajectory_file.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/model_pictures.h"
+#include "shared/play_friction.h"
+#include "shared/played_model.h"
+#include "shared/step_times.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PlayCall {
+  fs::path model, trajectory, record, picture, replay;
+  bool stability = false;
+  std::optional<double> tool_radius, probe_radius;  ///< [mm]
+  DeviceCall device;
+};
+
+/// [mm] of the ball that probed, as the model or the call says; none: not known.
+std::optional<double> probe_radius_of(const PlayCall& call, const haptics::Model& model) {
+  if (!call.probe_radius) return model.probe_radius;
+  if (model.probe_radius && *model.probe_radius != *call.probe_radius) {
+    throw InvalidInput(fmt::format("--probe-radius: is {:g} mm; {} says {:g} mm",
+                                   *call.probe_radius, call.model.string(), *model.probe_radius));
+  }
+  return call.probe_radius;
+}
+
+/// Warns that the tool is not the ball that probed. \param largest_force [N] that was played.
+void warn_of_radius(const PlayCall& call, const std::optional<double>& probe_radius,
+                    double largest_force) {
+  if (!call.tool_radius) return;
+  if (!probe_radius) {
+    spdlog::warn(
+        "how wrong the forces on a ball of {:g} mm are is not known: {} does not say with which "
+        "ball it was measured; give --probe-radius.",
+        *call.tool_radius, call.model.string());
+    return;
+  }
+  if (*call.tool_radius == *probe_radius) return;
+  const double missing = haptics::missing_force(*probe_radius, *call.tool_radius);
+  spdlog::warn(
+      "the model was measured with a ball of {:g} mm; on a solid, one of {:g} mm feels {:.0f} % "
+      "{} force (Hertz), here up to {} of {}; on a thin membrane about the same "
+      "(docs/trade-playback.md).",
+      *probe_radius, *call.tool_radius, 100 * std::abs(missing), missing > 0 ? "more" : "less",
+      newtons(std::abs(missing) * largest_force, 3), newtons(largest_force, 3));
+}
+
+void play(const Settings& settings, const PlayCall& call) {
+  check_outputs({call.trajectory, call.model}, {call.record, call.picture});
+  check_pictures({call.picture});
+  const std::vector<haptics::TrajectoryPoint> trajectory =
+      haptics::read_trajectory_file(call.trajectory);
+  const haptics::Model model = playable_model(call.model);
+  const std::optional<double> probe_radius = probe_radius_of(call, model);
+  const std::shared_ptr<const haptics::Playback> playback_there =
+      made_playback(call.model, model, call.device.friction);
+  const haptics::Playback& playback = *playback_there;
+  const std::vector<haptics::TracePoint> trace = haptics::play(playback, trajectory);
+  if (!call.record.empty()) haptics::write_trace(call.record, trace);
+  if (!call.picture.empty()) {
+    draw_trace(call.picture, trace, "Forces along " + call.trajectory.filename().string());
+  }
+
+  double largest = 0;
+  for (const haptics::TracePoint& point : trace) largest = std::max(largest, point.force.norm());
+  const StepTimes times = time_steps(playback, trajectory);
+  const std::optional<double> slipping =
+      times.slip.count > 0 ? std::optional(times.slip.median) : std::nullopt;
+  print(settings,
+        {{"steps", trace.size()},
+         {"free", times.free.count},
+         {"stick", times.stick.count},
+         {"slip", times.slip.count},
+         {"largest_force", largest},
+         {"unknown_friction", playback.unknown_friction_count()},
+         {"us_per_step",
+          {{"median", times.all.median},
+           {"p90", times.all.p90},
+           {"max", times.all.max},
+           {"slip_median", number_or_null(slipping)}}}},
+        fmt::format("{} steps: {} free, {} stick, {} slip; largest force {}\n"
+                    "A step of the loop takes {:.1f} us (median), 90 % within {:.1f} us, at most "
+                    "{:.1f} us; {}.{}",
+                    trace.size(), times.free.count, times.stick.count, times.slip.count,
+                    newtons(largest, 3), times.all.median, times.all.p90, times.all.max,
+                    slipping ? fmt::format("a slipping step {:.1f} us (median)", *slipping)
+                             : "no step slipped",
+                    call.record.empty() ? "" : "\nWritten to " + call.record.string()));
+  if (times.stick.count + times.slip.count == 0) {
+    spdlog::warn(
+        "the tool never touches the model: the trajectory must cross its surface from outside, in "
+        "the same frame and in mm.");
+  }
+  warn_of_radius(call, probe_radius, largest);
+}
+
+/// A scene is a file, a model a folder.
+bool is_scene(const fs::path& path) {
+  std::error_code not_there;  // is refused where it is read
+  return path.extension() == ".json" || fs::is_regular_file(path, not_there);
+}
+
+PlayWay way_of(const PlayCall& call) {
+  const bool scene = is_scene(call.model);
+  if (!call.replay.empty()) return scene ? PlayWay::scene_replay : PlayWay::replay;
+  if (call.device.device.empty()) return scene ? PlayWay::scene : PlayWay::trajectory;
+  const bool driver = is_driver(call.device.device);
+  if (scene) return driver ? PlayWay::scene_driver : PlayWay::scene_simulated;
+  if (call.stability) return driver ? PlayWay::stability_of_driver : PlayWay::stability_of_hand;
+  return driver ? PlayWay::driver : PlayWay::simulated;
+}
+
+/// What is asked for: a scene, a trajectory, a device, a session again, or the stability of a
+/// device.
+void play_anything(const Settings& settings, const CLI::App& command, PlayCall& call) {
+  DeviceCall& device = call.device;
+  device.model = call.model;
+  device.trajectory = call.trajectory;
+  device.trace = call.record;
+  if (device.device.empty() && call.stability) device.device = kHand;
+  if (!device.device.empty() && is_driver(device.device)) check_driver(device.device);
+  const PlayWay way = way_of(call);
+  refuse_idle_options(command, way);
+  switch (way) {
+    case PlayWay::trajectory:
+      if (call.trajectory.empty()) {
+        throw InvalidInput("palpate play: needs --trajectory, --device, --replay or --stability");
+      }
+      return play(settings, call);
+    case PlayWay::scene:
+      return play_scene(settings, call.model, call.record);
+    case PlayWay::simulated:
+    case PlayWay::driver:
+      return play_device(settings, device);
+    case PlayWay::scene_simulated:
+    case PlayWay::scene_driver:
+      return play_scene_device(settings, device);
+    case PlayWay::scene_replay:
+      return play_scene_replay(settings, call.model, call.replay);
+    case PlayWay::replay:
+      return play_replay(settings, call.model, device.exchange, call.replay);
+    case PlayWay::stability_of_hand:
+    case PlayWay::stability_of_driver:
+      return play_stability(settings, device);
+  }
+}
+
+void add_device_options(CLI::App& command, PlayCall& call) {
+  DeviceCall& device = call.device;
+  command.add_option("--device", device.device,
+                     "Close the loop with a device: recorded or scripted (follow --trajectory, "
+                     "exactly or smoothly from point to point), hand (simulated), arm (simulated, "
+                     "held by the hand), or a driver, a shared library (docs/devices.md)");
+  command.add_option("--tool", device.tool,
+                     "Name of the tool of a scene that the device moves (default: the first)");
+  command.add_option("--set", device.settings,
+                     "Options of the device, KEY=VALUE; of simulated ones mass [kg], damping [N "
+                     "s/mm], friction [N], stiffness [N/mm], encoder_step [mm], delay [ticks], "
+                     "rate [Hz]");
+  command.add_option("--device-number", device.number, "Which of a driver's devices, from 0");
+  command.add_flag("--in-process", device.in_process,
+                   "Run the driver in this process: faster, but if it crashes, so does the loop");
+  command.add_flag("--realtime", device.real_time,
+                   "On the host's clock, with real-time scheduling if that is allowed");
+  command
+      .add_option("--duration", device.duration,
+                  "Duration [s] (default: that of the trajectory; with a driver, until Ctrl-C)")
+      ->check(within(above(0).finite()));
+  command.add_option("--session", device.session,
+                     "Record to write of all that the loop reads and commands, for --replay");
+  command.add_option("--replay", call.replay, "Compute a session again and compare every bit");
+  command.add_option("--pose", device.pose,
+                     "Pose of the device's frame in the model's: a file with a 3 x 4 matrix");
+  command
+      .add_option("--scale", device.scale,
+                  "Length in the model per length at the device [mm/mm] (default: as the device "
+                  "declares, or 1)")
+      ->check(within(above(0).finite()));
+  command
+      .add_option("--clutch-button", device.clutch_buttons,
+                  "Buttons (numbers from 0) that hold the tool still while they are pressed")
+      ->check(within(at_least(0).at_most(31)));
+  command.add_option(
+      "--coupling", device.coupling,
+      "Stiffness of the virtual coupling: auto (from the device's damping and delay), off, "
+      "or a number [N/mm]");
+  command
+      .add_option("--max-force", device.force, "Largest force [N]; larger ones are reduced to it")
+      ->check(within(above(0).finite()));
+  command.add_option("--slew", device.slew, "Largest growth of a force [N/s]")
+      ->check(within(above(0).finite()));
+  command
+      .add_option("--ramp", device.ramp,
+                  "Time in which the force grows after a start or a fault [s]")
+      ->check(within(above(0).finite()));
+  command
+      .add_option("--heating-time", device.heating_time,
+                  "Time constant of the motors' heat [s], which limits how long a force is above "
+                  "the continuous one that the device declares (default: 10)")
+      ->check(within(at_least(0.1).finite()));
+  command.add_option("--exchange", device.exchange,
+                     "Another model, which replaces the first after the time --exchange-at");
+  command
+      .add_option("--exchange-at", device.exchange_at,
+                  "Time after which --exchange replaces the model, without a pause [s]")
+      ->check(within(at_least(0).finite()))
+      ->needs("--exchange");
+  command.add_flag("--stability", call.stability,
+                   "Say which stiffness is calm with the device, and which rate and damping the "
+                   "model needs");
+}
+
+}  // namespace
+
+void add_play(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<PlayCall>();
+  CLI::App* command = app.add_subcommand(
+      "play", "Compute the forces along a tool's path over a model, as in the haptic loop");
+  command
+      ->add_option("MODEL", call->model,
+                   "Model folder; or a scene file (JSON) of several objects and tools "
+                   "(docs/devices.md)")
+      ->required();
+  command->add_option(
+      "--trajectory", call->trajectory,
+      "Tool positions, one per step: t,x,y,z [s, mm], CSV or binary; with --device, "
+      "where a simulated device or its hand goes");
+  command->add_option("--record", call->record,
+                      "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
+                      "a scene, a folder with the traces of its tools and objects");
+  command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
+  add_friction_option(*command, call->device.friction);
+  CLI::Option* tool_radius = command
+                                 ->add_option("--tool-radius", call->tool_radius,
+                                              "Radius of the tool, a ball [mm]; if it is not the "
+                                              "probe's, say how wrong the forces are")
+                                 ->check(within(above(0).finite()));
+  command
+      ->add_option(
+          "--probe-radius", call->probe_radius,
+          "Radius of the ball with which the object was measured [mm], if the model does not say "
+          "it")
+      ->check(within(above(0).finite()))
+      ->needs(tool_radius);
+  add_device_options(*command, *call);
+  command->footer(
+      "Examples:\n"
+      "  palpate play model/ --trajectory t.csv --record trace.csv\n"
+      "  palpate play scene.json --record traces/\n"
+      "  palpate play model/ --device hand --trajectory t.csv --session s.bin\n"
+      "  palpate play model/ --replay s.bin\n"
+      "  palpate play model/ --device ./libdevice.so --realtime\n"
+      "  palpate play scene.json --device ./libdevice.so --tool left\n"
+      "  palpate play model/ --stability --set damping=0.002");
+  command->callback([call, command, &settings] { play_anything(settings, *command, *call); });
+}
+
+}  // namespace palpate::apps

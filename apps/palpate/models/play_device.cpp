@@ -1,0 +1,228 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "models/play_device.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/opened_device.h"
+#include "models/play_scene.h"
+#include "models/play_session.h"
+#include "palpate/core/error.h"
+#include "palpate/haptics/device_run.h"
+#include "palpate/haptics/loop_record.h"
+#include "palpate/haptics/scene_world.h"
+#include "palpate/haptics/trajectory_csv.h"
+#include "palpate/probing/arm_setup.h"
+#include "shared/inputs.h"
+#include "shared/interrupts.h"
+#include "shared/play_friction.h"
+#include "shared/played_model.h"
+#include "shared/pose_file.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+using PlayJson = nlohmann::ordered_json;
+
+haptics::DeviceLoopOptions loop_options(const DeviceCall& call) {
+  haptics::DeviceLoopOptions options;
+  if (!call.pose.empty()) options.T_world_device = read_pose(call.pose);
+  options.scale = call.scale;
+  for (const unsigned button : call.clutch_buttons) options.clutch_buttons |= 1U << button;
+  options.safety.force = call.force;
+  options.safety.slew = call.slew;
+  options.safety.ramp = call.ramp;
+  options.safety.heating_time = call.heating_time;
+  options.coupling = coupling_of(call.coupling);
+  return options;
+}
+
+PlayJson figures_of(const DeviceCall& call, const haptics::RunReport& report) {
+  PlayJson safety;
+  for (std::size_t i = 0; i < report.actions.size(); ++i) {
+    std::string key(haptics::safety_words()[i]);
+    std::ranges::replace(key, ' ', '_');
+    safety[key] = report.actions[i];
+  }
+  const bool coupled = std::isfinite(report.coupling_stiffness);
+  return {{"device", call.device},
+          {"steps", report.time.ticks},
+          {"free", report.states[0]},
+          {"stick", report.states[1]},
+          {"slip", report.states[2]},
+          {"largest_force", report.largest_force},
+          {"rate", report.time.rate},
+          {"late", report.time.late},
+          {"us_per_step",
+           {{"p50", report.time.p50}, {"p999", report.time.p999}, {"max", report.time.largest}}},
+          {"real_time", call.real_time && report.not_real_time.empty()},
+          {"memory_locked", report.memory_locked},
+          {"coupling_stiffness",
+           number_or_null(coupled ? std::optional(report.coupling_stiffness) : std::nullopt)},
+          {"given_energy", report.given.in_touches},
+          {"touches", report.given.touches},
+          {"giving_touches", report.given.giving},
+          {"exchanges", report.exchanges},
+          {"safety", safety}};
+}
+
+std::string prose_of(const DeviceCall& call, const haptics::RunReport& report) {
+  std::string safety;
+  for (std::size_t i = 0; i < report.actions.size(); ++i) {
+    if (report.actions[i] == 0) continue;
+    safety += fmt::format("{}{} {}", safety.empty() ? "" : ", ", haptics::safety_words()[i],
+                          report.actions[i]);
+  }
+  return fmt::format(
+      "{} ticks at {:.0f} Hz: {} free, {} stick, {} slip; largest force {}; {} late\n"
+      "A tick takes {:.1f} us (median), {:.1f} us (99.9 %), at most {:.1f} us\n"
+      "{}; the user was given {:.3f} N mm in {} of {} touches\n"
+      "Safety, in ticks: {}{}{}",
+      report.time.ticks, report.time.rate, report.states[0], report.states[1], report.states[2],
+      newtons(report.largest_force, 3), report.time.late, report.time.p50, report.time.p999,
+      report.time.largest,
+      std::isfinite(report.coupling_stiffness)
+          ? fmt::format("Virtual coupling of {:.3g} N/mm", report.coupling_stiffness)
+          : std::string("No virtual coupling"),
+      report.given.in_touches, report.given.giving, report.given.touches,
+      safety.empty() ? "nothing" : safety,
+      report.exchanges > 0 ? fmt::format("\n{} exchange of the model", report.exchanges) : "",
+      call.session.empty() ? "" : "\nRecorded in " + call.session.string());
+}
+
+void warn(const DeviceCall& call, const haptics::RunReport& report,
+          const probing::ArmDescription& device) {
+  if (!report.not_real_time.empty()) {
+    spdlog::warn(
+        "no real-time scheduling (SCHED_FIFO): {}; the loop runs with ordinary priority and may be "
+        "late. Allow it with a limit 'rtprio' in /etc/security/limits.conf.",
+        report.not_real_time);
+  }
+  if (call.coupling == "auto" && device.damping == 0 && is_driver(call.device)) {
+    spdlog::warn(
+        "{} does not declare its damping: that of a light grip, 5e-4 N s/mm, is assumed for the "
+        "virtual coupling.",
+        call.device);
+  }
+  if (report.refused > 0) spdlog::warn("{} commands were not taken.", report.refused);
+}
+
+/// What the loop plays, and what is written after it.
+struct PlayedLoop {
+  std::string session;  ///< what a replay must know
+  std::function<std::unique_ptr<haptics::DeviceRun>(probing::Arm&, const haptics::RunOptions&)>
+      begin;
+  std::function<void(const haptics::LoopRecord&, const PlayJson& figures)> write_trace;
+};
+
+void check_call(const DeviceCall& call) {
+  if (call.session.empty() && !call.trace.empty()) {
+    throw InvalidInput("--record: the trace of a device is made from its session; give --session");
+  }
+  if (call.device == kHeldArm && call.real_time) {
+    throw InvalidInput("--realtime: the simulated arm is on its own clock; use --device hand");
+  }
+}
+
+void run_loop(const Settings& settings, const DeviceCall& call,
+              const haptics::DeviceLoopOptions& options, const PlayedLoop& played) {
+  const OpenedDevice device = open_device(call, options);
+  haptics::RunOptions run_options{.duration = call.duration > 0 ? call.duration : device.duration,
+                                  .real_time = call.real_time,
+                                  .record = call.session,
+                                  .session = played.session};
+  if (!call.exchange.empty()) {
+    run_options.exchanges.push_back({call.exchange_at, playback_of(call.exchange, call.friction)});
+  }
+  const std::unique_ptr<haptics::DeviceRun> run = played.begin(*device.arm, run_options);
+  const AtInterrupt at_interrupt([&run] { run->stop(); });
+  const haptics::RunReport report = run->finish();
+  const PlayJson figures = figures_of(call, report);
+  if (!call.trace.empty()) played.write_trace(haptics::read_loop_record(call.session), figures);
+  warn(call, report, device.arm->description());
+  if (!report.device_lost.empty()) {
+    throw DeviceError(fmt::format("{}: the device is lost after {} ticks: {}", call.device,
+                                  report.time.ticks, report.device_lost));
+  }
+  print(settings, figures, prose_of(call, report));
+}
+
+}  // namespace
+
+void play_device(const Settings& settings, const DeviceCall& call) {
+  check_outputs({call.trajectory, call.model, call.pose, call.exchange},
+                {call.trace, call.session});
+  check_call(call);
+  const haptics::Model model = playable_model(call.model);
+  haptics::DeviceLoopOptions options = loop_options(call);
+  if (call.pose.empty() && call.device == kHeldArm)
+    options.T_world_device = probing::mount_over(model.surface, probing::ArmGeometry{});
+  run_loop(settings, call, options,
+           {.session = session_text(call),
+            .begin =
+                [&](probing::Arm& arm, const haptics::RunOptions& run) {
+                  return std::make_unique<haptics::DeviceRun>(
+                      arm, made_playback(call.model, model, call.friction), options, run);
+                },
+            .write_trace =
+                [&](const haptics::LoopRecord& record, const PlayJson& /*figures*/) {
+                  haptics::write_trace(call.trace, haptics::trace_of(record));
+                }});
+}
+
+void play_scene_device(const Settings& settings, DeviceCall call) {
+  const SceneOfDevice scene = read_scene_of_device(call.model, call.tool);
+  std::vector<std::filesystem::path> inputs = scene.inputs;
+  inputs.push_back(call.pose);
+  check_outputs(inputs, {call.session});
+  if (!call.trace.empty()) check_output_folder(inputs, call.trace);
+  check_call(call);
+  if (call.device == kHeldArm && call.pose.empty()) {
+    throw InvalidInput("--device arm: in a scene it needs --pose, where its base stands");
+  }
+  if (!is_driver(call.device)) {
+    call.trajectory = scene.file.trajectories[scene.tool];
+    call.begin = haptics::input_at(scene.file.motion, 0).time;
+    if (call.duration == 0) {
+      call.duration =
+          static_cast<double>(haptics::tick_count(scene.file.motion)) / scene.file.motion.rate;
+    }
+    if (call.trajectory.empty()) {
+      throw InvalidInput(
+          fmt::format("--device {}: tool '{}' has no trajectory in {}; a simulated "
+                      "device follows the one of its tool",
+                      call.device, scene.file.tools[scene.tool], call.model.string()));
+    }
+  }
+  const haptics::DeviceLoopOptions options = loop_options(call);
+  run_loop(settings, call, options,
+           {.session = session_text(scene),
+            .begin =
+                [&](probing::Arm& arm, const haptics::RunOptions& run) {
+                  const std::shared_ptr<haptics::SceneWorld> world =
+                      world_of(scene, arm.description().period);
+                  tell_unknown_friction(scene.file, world->scene());
+                  return std::make_unique<haptics::DeviceRun>(arm, world, options, run);
+                },
+            .write_trace =
+                [&](const haptics::LoopRecord& record, const PlayJson& figures) {
+                  const std::shared_ptr<haptics::SceneWorld> world =
+                      world_of(scene, record.device.period);
+                  write_scene_traces(call.trace, scene.file, world->scene(),
+                                     haptics::trace_of(record, *world), figures);
+                }});
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "models/device_call.h"
+#include "shared/command_line.h"
+
+namespace palpate::apps {
+
+/// Runs the loop between a device and a model.
+void play_device(const Settings& settings, const DeviceCall& call);
+
+/// Runs the loop between a device and a tool of a scene.
+void play_scene_device(const Settings& settings, DeviceCall call);
+
+/// Says for a model and a device which stiffness is calm, and which rate and damping it needs.
+void play_stability(const Settings& settings, const DeviceCall& call);
+
+/// Computes a session again. \throws Error if it differs.
+void play_replay(const Settings& settings, const std::filesystem::path& model,
+                 const std::filesystem::path& exchange, const std::filesystem::path& session);
+/// The same of a scene.
+void play_scene_replay(const Settings& settings, const std::filesystem::path& scene,
+                       const std::filesystem::path& session);
+
+}  // namespace palpate::apps

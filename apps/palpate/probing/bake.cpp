@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/geometry/error_statistics.h"
+#include "palpate/haptics/bake_model.h"
+#include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/contact_plan.h"
+#include "palpate/probing/known_forces.h"
+#include "palpate/probing/specimen_file.h"
+#include "palpate/probing/specimen_trials.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kToldFailures = 10;  // one by one, on standard error
+
+struct BakeCall {
+  fs::path specimen, output, acquisition;
+  probing::PlanOptions plan;
+  probing::KnownForceOptions queries;
+};
+
+std::unique_ptr<probing::Specimen> read_specimen(const fs::path& path) {
+  try {
+    return probing::parse_specimen(probing::read_specimen_text(path), path.string());
+  } catch (const SolverError& error) {  // of the object at rest, before the tip comes
+    throw SolverError(path.string() + ": " + error.what());
+  }
+}
+
+std::string in_newton(const Vector3d& force) {
+  return fmt::format("({:.3f}, {:.3f}, {:.3f}) N", force.x(), force.y(), force.z());
+}
+
+void tell_failures(const probing::SpecimenTrials& trials, const probing::KnownForces& known) {
+  for (std::size_t i = 0; i < std::min(trials.failed.size(), kToldFailures); ++i) {
+    const probing::FailedTrial& failed = trials.failed[i];
+    spdlog::warn(
+        "contact {} has no sample under {}{}: {}", failed.contact, in_newton(failed.trial.force),
+        failed.not_tried > 0 ? fmt::format(" and {} forces with it or above", failed.not_tried)
+                             : "",
+        failed.trial.reason);
+  }
+  if (trials.failed.size() > kToldFailures) {
+    spdlog::warn("{} more forces have no sample; --json lists all",
+                 trials.failed.size() - kToldFailures);
+  }
+  if (!known.unanswered.empty()) {
+    spdlog::warn("{} of {} forces to compare with have no equilibrium and are left out; first: {}",
+                 known.unanswered.size(), known.unanswered.size() + known.forces.size(),
+                 known.unanswered.front().reason);
+  }
+}
+
+Json failures_of(const probing::SpecimenTrials& trials) {
+  Json failed = Json::array();
+  for (const probing::FailedTrial& one : trials.failed) {
+    const Vector3d& force = one.trial.force;
+    failed.push_back({{"contact", one.contact},
+                      {"force", {force.x(), force.y(), force.z()}},
+                      {"not_tried", one.not_tried},
+                      {"reason", one.trial.reason}});
+  }
+  return failed;
+}
+
+probing::KnownForces compute_queries(const probing::Specimen& specimen, const BakeCall& call) {
+  if (call.queries.count == 0) return {};
+  Progress progress("computing forces to compare with");
+  probing::KnownForceOptions options = call.queries;
+  options.max_force = call.plan.max_force;
+  options.progress = [&](int done, int total) { progress.show(done, total); };
+  try {
+    return probing::known_forces(specimen, options);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(with_option_names(
+        error.what(), {{"known_forces(): ", call.specimen.string() + ": "},
+                       {"KnownForceOptions::margin", "--margin"},
+                       {"give a smaller one", "give a smaller one, or --queries 0"}}));
+  }
+}
+
+probing::SpecimenTrials compute_samples(const probing::Specimen& specimen,
+                                        const probing::ContactPlan& plan, const BakeCall& call) {
+  Progress progress("computing samples");
+  try {
+    return probing::try_specimen(
+        specimen, plan, {.progress = [&](int done, int total) { progress.show(done, total); }});
+  } catch (const SolverError& error) {
+    throw SolverError(call.specimen.string() + ": " + error.what());
+  }
+}
+
+haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
+                           const geometry::TriangleMesh& surface, const BakeCall& call) {
+  Progress progress("fitting");
+  haptics::BuildOptions options = haptics::exact_samples(call.plan.max_force);
+  // Friction is found in no time.
+  options.progress = [&](haptics::BuildStage stage, int done, int total) {
+    if (stage == haptics::BuildStage::fields) progress.show(done, total);
+  };
+  try {
+    return haptics::build_model(acquisition, surface, options);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        with_option_names(error.what(), {{"build_model(): ", call.specimen.string() + ": "}}));
+  }
+}
+
+std::optional<haptics::QueryErrors> errors_of(const haptics::Model& model,
+                                              const probing::KnownForces& known) {
+  if (known.forces.empty()) return std::nullopt;
+  std::vector<haptics::Query> queries;
+  for (const probing::KnownForce& one : known.forces)
+    queries.push_back({one.contact, one.displacement, one.force});
+  return haptics::evaluate_queries(model, queries);
+}
+
+void report(const Settings& settings, const BakeCall& call, const probing::SpecimenTrials& trials,
+            const haptics::BuildResult& built, const std::optional<haptics::QueryErrors>& errors) {
+  std::vector<double> rms;
+  for (const haptics::ContactModel& contact : built.model.contacts) rms.push_back(contact.rms);
+  const geometry::ErrorStatistics fits = geometry::error_statistics(rms);
+  Json queries;
+  std::string prose;
+  if (errors) {
+    queries = {{"count", errors->count},
+               {"rms", errors->rms},
+               {"median", errors->median},
+               {"p90", errors->p90}};
+    prose = fmt::format(
+        "\nAgainst {} known forces between contacts: RMS {}, median {}, 90 % within {}",
+        errors->count, newtons(errors->rms), newtons(errors->median), newtons(errors->p90));
+  }
+  print(
+      settings,
+      {{"contacts", built.model.contacts.size()},
+       {"samples", trials.acquisition.samples.size()},
+       {"equilibria", trials.equilibria},
+       {"failed", failures_of(trials)},
+       {"isolated", built.isolated},
+       {"rms", {{"median", fits.median}, {"p90", fits.p90}, {"max", fits.max}}},
+       {"queries", queries},
+       {"file", call.output.string()}},
+      fmt::format("{} contacts with {} samples, from {} equilibria; RMS of a contact {} in the "
+                  "median, at most {}{}\nWritten to {}",
+                  built.model.contacts.size(), trials.acquisition.samples.size(), trials.equilibria,
+                  newtons(fits.median), newtons(fits.max), prose, call.output.string()));
+}
+
+void bake(const Settings& settings, const BakeCall& call) {
+  check_outputs({call.specimen}, {call.output, call.acquisition});
+  if (!call.acquisition.empty()) probing::check_acquisition_output(call.acquisition);
+  check_output_folder({call.specimen}, call.output);
+  check_replaceable(call.output, haptics::model_entries());
+  const auto specimen = read_specimen(call.specimen);
+  const probing::ContactPlan plan = haptics::plan_bake(*specimen, call.plan);
+  const probing::KnownForces known = compute_queries(*specimen, call);
+  probing::SpecimenTrials trials = compute_samples(*specimen, plan, call);
+  tell_failures(trials, known);
+  trials.acquisition.meta["specimen"] = call.specimen.filename().string();
+  const probing::CheckedAcquisition acquisition(trials.acquisition);
+  if (!call.acquisition.empty()) probing::write_acquisition(call.acquisition, acquisition);
+  haptics::BuildResult built = build(acquisition, specimen->surface(), call);
+  built.model.made["program"] = "palpate " PALPATE_VERSION;
+  built.model.made["specimen"] = call.specimen.filename().string();
+  haptics::write_model(call.output, built.model);
+  for (const long long id : built.isolated) {
+    spdlog::warn(
+        "contact {} is in no triangle of contacts: there are too few around it; choose a "
+        "smaller --spacing",
+        id);
+  }
+  report(settings, call, trials, built, errors_of(built.model, known));
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<BakeCall>();
+  call->queries.count = 100;
+  CLI::App* command = app.add_subcommand(
+      "bake", "Make a model of a simulated object, such as one of finite elements");
+  command->add_option("SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)")
+      ->required();
+  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  command->add_option("--spacing", call->plan.spacing, "Least distance of contacts [mm]")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  command
+      ->add_option("--contacts", call->plan.contacts,
+                   "Largest number of contacts (default: no limit)")
+      ->check(within(above(0)));
+  command
+      ->add_option("--directions", call->plan.directions,
+                   "Number of tangential directions under each of five normal forces")
+      ->check(within(at_least(0)))
+      ->capture_default_str();
+  command
+      ->add_option("--max-force", call->plan.max_force,
+                   "Largest force that the model is to render [N]")
+      ->check(within(above(call->queries.least_force).finite()))
+      ->capture_default_str();
+  command
+      ->add_option("--queries", call->queries.count,
+                   "Number of known forces between contacts, to compare the model with")
+      ->check(within(at_least(0)))
+      ->capture_default_str();
+  command
+      ->add_option("--margin", call->queries.margin,
+                   "Least distance of these forces from the border of the surface [mm]")
+      ->check(within(at_least(0).finite()))
+      ->capture_default_str();
+  command->add_option(
+      "--acquisition", call->acquisition,
+      "Also write the samples to a database (acquisition.db), for palpate fit and evaluate");
+  command->footer(
+      "Nothing is measured: displacements are computed, and friction is that of the specimen. "
+      "Contacts are computed in parallel (--threads).\n"
+      "Example:\n  palpate bake block.json -o model/");
+  command->callback([call, &settings] { bake(settings, *call); });
+}
+
+}  // namespace palpate::apps

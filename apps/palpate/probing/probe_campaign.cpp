@@ -1,0 +1,229 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "probing/probe_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/probing/campaign_options_text.h"
+#include "palpate/probing/campaign_trial.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Shares from which on a difference is told. The virtual arm, whose force errs by 0.03 N on each
+/// way and whose objects damp a little, shows a loss of 0.19 on an elastic body.
+constexpr double kNoticedLoss = 0.3, kNoticedCreep = 0.1;
+/// [mm] Change of the displacement under the reference force from which on it is told, if noise
+/// alone does not explain it: what a displaced object may be off when a campaign is resumed.
+constexpr double kNoticedDrift = 0.1;
+constexpr double kBeyondNoise = 3;  // standard deviations
+
+std::optional<double> finite_or_none(double value) {
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+std::string words_of_stop(probing::AdaptiveStop stop) {
+  switch (stop) {
+    case probing::AdaptiveStop::accurate:
+      return "ended: the stated error is what was asked for";
+    case probing::AdaptiveStop::max_hours:
+      return "ended: no time is left";
+    case probing::AdaptiveStop::max_samples:
+      return "ended: all samples were taken";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+probing::Campaign replayed(const probing::CampaignStore& store, const std::string& source) {
+  const probing::CampaignDescription& description = store.description();
+  probing::Campaign campaign(probing::parse_plan(description.plan, source),
+                             probing::parse_campaign_options(description.strategy, source));
+  const std::vector<probing::ReferenceProbe> references = store.references();
+  auto reference = references.begin();
+  const auto refuse = [&](const char* what, long long number) {
+    throw FileError(fmt::format(
+        "{}: {} {} is not what its plan and its options order; the store was changed, or is of "
+        "another version of palpate",
+        source, what, number));
+  };
+  const auto take_references = [&](long long trials) {
+    try {
+      for (; reference != references.end() && reference->trials <= trials; ++reference)
+        campaign.take_reference(*reference);
+    } catch (const InvalidInput&) {
+      refuse("reference probe", reference->number);
+    }
+  };
+  for (const probing::TrialRecord& record : store.trials(campaign.plan().contacts)) {
+    take_references(record.order.trial);
+    try {
+      (void)campaign.take(record);
+    } catch (const InvalidInput&) {
+      refuse("trial", record.order.trial);
+    }
+  }
+  take_references(std::numeric_limits<long long>::max());
+  return campaign;
+}
+
+CampaignFindings findings_of(const probing::CampaignStore& store, const probing::ContactPlan& plan,
+                             const probing::CampaignOptions& options) {
+  return {.rates = probing::rate_dependence(store.trials(plan.contacts), options.program),
+          .drift = probing::reference_drift(store.references(), plan, options.program)};
+}
+
+Json campaign_figures(const probing::Campaign& campaign, const probing::CampaignOptions& options,
+                      const CampaignFindings& findings) {
+  const probing::CampaignProgress at = campaign.progress();
+  const probing::RateDependence& rates = findings.rates;
+  std::vector<double> errors;
+  for (const probing::ConeEstimate& cone : campaign.cones())
+    errors.push_back(cone.coefficient_error);
+  std::optional<double> median;
+  if (!errors.empty()) {
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    median = *middle;
+  }
+  const bool complete = !campaign.next();
+  Json figures{{"contacts", at.contacts},
+               {"contacts_done", at.contacts_done},
+               {"contacts_given_up", at.contacts_given_up},
+               {"trials", at.trials},
+               {"samples", at.samples},
+               {"slipped", at.slipped},
+               {"hours", at.seconds / kSecondsPerHour},
+               {"trials_left", std::llround(at.trials_left)},
+               {"hours_left", at.seconds_left / kSecondsPerHour},
+               {"friction_error", number_or_null(median)},
+               {"energy_lost", number_or_null(finite_or_none(rates.energy_lost))},
+               {"energy_loops", rates.loops},
+               {"creep", number_or_null(finite_or_none(rates.creep))},
+               {"references", findings.drift.probes},
+               {"drift", number_or_null(finite_or_none(findings.drift.change))},
+               {"complete", complete}};
+  if (options.strategy == probing::TrialStrategy::adaptive) {
+    const auto number = [](double value) { return number_or_null(finite_or_none(value)); };
+    figures["stated_error"] = number(at.stated.error);
+    figures["stated_at_contacts"] = number(at.stated.at_contacts);
+    figures["stated_between"] = number(at.stated.between);
+    figures["reachable_error"] = number(at.stated.reachable);
+    figures["predicted_over_actual"] = number(at.stated.predicted_over_actual);
+    figures["stop"] = probing::to_string(at.stop);
+  }
+  return figures;
+}
+
+std::string beyond_reach(const probing::CampaignProgress& at,
+                         const probing::CampaignOptions& options) {
+  if (options.strategy != probing::TrialStrategy::adaptive || options.until == 0) return "";
+  if (at.stop == probing::AdaptiveStop::exhausted) {
+    return fmt::format(
+        "{} N were not reached: each contact has as many samples as help. Plan more contacts "
+        "(--spacing), or accept the error",
+        options.until);
+  }
+  if (options.until < options.program.force_noise) {
+    return fmt::format("{} N are below the noise of the arm's forces, {} N: they cannot be reached",
+                       options.until, options.program.force_noise);
+  }
+  if (std::isfinite(at.stated.reachable) && at.stated.reachable > options.until) {
+    return fmt::format(
+        "{} N are likely to be below what this plan can reach, about {}: noise and the gaps "
+        "between contacts remain. Plan more contacts (--spacing)",
+        options.until, newtons(at.stated.reachable, 3));
+  }
+  return "";
+}
+
+std::string beyond_statics(const probing::RateDependence& rates) {
+  if (rates.energy_lost >= kNoticedLoss) {
+    return fmt::format(
+        "unloading differs from loading by {:.0f} % of the energy (median of {} trials): a "
+        "quasi-static model does not show this",
+        100 * rates.energy_lost, rates.loops);
+  }
+  if (rates.creep >= kNoticedCreep) {
+    return fmt::format(
+        "{:.0f} % of the displacement came after the force was constant (median of {} trials): a "
+        "quasi-static model does not show this",
+        100 * rates.creep, rates.creeps);
+  }
+  return "";
+}
+
+std::string beyond_steadiness(const probing::ReferenceDrift& drift) {
+  if (!(std::abs(drift.change) > std::max(kNoticedDrift, kBeyondNoise * drift.error))) return "";
+  return fmt::format(
+      "the displacement under the reference force changed by {:.2f} mm ({} probes): the object, "
+      "its place or the arm is not what it was",
+      drift.change, drift.probes);
+}
+
+std::string campaign_words(const probing::Campaign& campaign,
+                           const probing::CampaignOptions& options,
+                           const CampaignFindings& findings) {
+  const probing::CampaignProgress at = campaign.progress();
+  std::string text = fmt::format(
+      "{} of {} contacts done, {} given up\n{} trials in {:.1f} h, {} samples, of which {} slipped",
+      at.contacts_done, at.contacts, at.contacts_given_up, at.trials, at.seconds / kSecondsPerHour,
+      at.samples, at.slipped);
+  if (campaign.next())
+    text += fmt::format("\nabout {:.0f} trials left, {:.1f} h", at.trials_left,
+                        at.seconds_left / kSecondsPerHour);
+  for (const std::string& more :
+       {beyond_statics(findings.rates), beyond_steadiness(findings.drift)}) {
+    if (!more.empty()) text += "\n" + more;
+  }
+  if (options.strategy != probing::TrialStrategy::adaptive) return text;
+  if (std::isfinite(at.stated.error)) {
+    text += fmt::format("\nstated error {}, {} at contacts", newtons(at.stated.error, 3),
+                        newtons(at.stated.at_contacts, 3));
+  }
+  for (const std::string& more : {words_of_stop(at.stop), beyond_reach(at, options)}) {
+    if (!more.empty()) text += "\n" + more;
+  }
+  return text;
+}
+
+std::string trials_kept(const probing::Campaign& campaign) {
+  return fmt::format("{} trials are kept", campaign.progress().trials);
+}
+
+void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
+                    const probing::CampaignOptions& options, int most) {
+  probing::Campaign& campaign = running.campaign;
+  Progress progress("probing");
+  const InterruptMessage message(trials_kept(campaign));
+  if (campaign.next()) running.arm->start();
+  const auto show = [&] {
+    const probing::CampaignProgress at = campaign.progress();
+    InterruptMessage::set_kept(trials_kept(campaign));
+    progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
+  };
+  for (int i = 0; i < most && campaign.next(); ++i) {
+    show();
+    probing::perform_trial(campaign, *running.arm, store, options.program,
+                           [&] { running.arm->keep_record(); });
+  }
+  running.arm->keep_record();
+}
+
+}  // namespace palpate::apps

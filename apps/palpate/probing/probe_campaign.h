@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "palpate/probing/campaign.h"
+#include "palpate/probing/campaign_store.h"
+#include "palpate/probing/rate_dependence.h"
+#include "palpate/probing/reference_probe.h"
+#include "probing/probe_arm.h"
+
+namespace palpate::apps {
+
+inline constexpr double kSecondsPerHour = 3600;
+
+/// A campaign with the arm that performs it.
+struct RunningCampaign {
+  probing::Campaign campaign;
+  std::unique_ptr<CampaignArm> arm;
+};
+
+/// Where a stored campaign stands: it takes the stored trials once more, without an arm.
+/// \param source names the store in messages.
+/// \throws FileError if the trials are not those that the plan and the options order.
+[[nodiscard]] probing::Campaign replayed(const probing::CampaignStore& store,
+                                         const std::string& source);
+
+/// What the trials tell of the object and the arm, beside the samples.
+struct CampaignFindings {
+  probing::RateDependence rates;
+  probing::ReferenceDrift drift;
+};
+/// \throws FileError if the store cannot be read.
+[[nodiscard]] CampaignFindings findings_of(const probing::CampaignStore& store,
+                                           const probing::ContactPlan& plan,
+                                           const probing::CampaignOptions& options);
+
+/// What `probe run` and `probe status` print, with and without --json.
+[[nodiscard]] nlohmann::ordered_json campaign_figures(const probing::Campaign& campaign,
+                                                      const probing::CampaignOptions& options,
+                                                      const CampaignFindings& findings);
+[[nodiscard]] std::string campaign_words(const probing::Campaign& campaign,
+                                         const probing::CampaignOptions& options,
+                                         const CampaignFindings& findings);
+
+/// Where a quasi-static model does not show what was measured; empty if there is nothing to say.
+[[nodiscard]] std::string beyond_statics(const probing::RateDependence& rates);
+
+/// That the displacement under the reference force changed; empty if it did not beyond doubt.
+[[nodiscard]] std::string beyond_steadiness(const probing::ReferenceDrift& drift);
+
+/// What a reader must know of a target that is not reached; empty if there is nothing to say.
+[[nodiscard]] std::string beyond_reach(const probing::CampaignProgress& at,
+                                       const probing::CampaignOptions& options);
+
+/// "5 trials are kept"
+[[nodiscard]] std::string trials_kept(const probing::Campaign& campaign);
+
+/// Performs and stores reference probes and trials until the campaign is complete, or `most`
+/// trials.
+void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
+                    const probing::CampaignOptions& options,
+                    int most = std::numeric_limits<int>::max());
+
+}  // namespace palpate::apps

@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/pictures/draw_contacts.h"
+#include "palpate/probing/contact_plan.h"
+#include "palpate/probing/specimen_file.h"
+#include "probing/probe.h"
+#include "shared/call_checks.h"
+#include "shared/inputs.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct PlanCall {
+  fs::path surface, specimen, output, picture;
+  geometry::ReadOptions read;
+  probing::PlanOptions options;
+  double view_angle = 70;  // degrees
+  std::vector<double> sensor;
+};
+
+/// Each contact with the part of the surface that is nearest to it.
+void draw_plan(const fs::path& png, const geometry::TriangleMesh& mesh,
+               const probing::ContactPlan& plan) {
+  const geometry::SurfaceQuery query(mesh);
+  std::vector<geometry::SurfacePoint> sources;
+  std::vector<long long> ids;
+  geometry::TriangleMesh contacts;
+  contacts.vertices.resize(3, static_cast<Eigen::Index>(plan.contacts.size()));
+  for (std::size_t i = 0; i < plan.contacts.size(); ++i) {
+    sources.push_back(query.closest_point(plan.contacts[i].position).at);
+    contacts.vertices.col(static_cast<Eigen::Index>(i)) = plan.contacts[i].position;
+    ids.push_back(plan.contacts[i].id);
+  }
+  pictures::draw_contacts(png, mesh, geometry::geodesic_distance(mesh, sources).label, contacts,
+                          ids, "Plan of contacts");
+}
+
+void report_plan(const Settings& settings, const PlanCall& call, const probing::ContactPlan& plan) {
+  Json excluded = Json::object();
+  std::string reasons;
+  for (std::size_t i = 1; i < plan.excluded.size(); ++i) {
+    const char* reason = probing::to_string(static_cast<probing::Eligibility>(i));
+    excluded[reason] = plan.excluded[i];
+    if (plan.excluded[i] > 0)
+      reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", plan.excluded[i], reason);
+  }
+  const auto cover = std::isfinite(plan.cover) ? std::optional(plan.cover) : std::nullopt;
+  print(
+      settings,
+      {{"contacts", plan.contacts.size()},
+       {"force_levels", plan.normal_forces.size()},
+       {"cover", number_or_null(cover)},
+       {"eligible", plan.excluded.front()},
+       {"excluded", excluded},
+       {"output", call.output.string()}},
+      fmt::format("{} contacts; {}\n{} vertices may be probed; not: {}\nwritten to {}",
+                  plan.contacts.size(),
+                  cover ? fmt::format("each eligible place is at most {:.1f} mm from one", *cover)
+                        : std::string("some parts of the surface have none"),
+                  plan.excluded.front(), reasons.empty() ? "none" : reasons, call.output.string()));
+}
+
+void plan(const Settings& settings, PlanCall call) {
+  if (call.surface.empty() == call.specimen.empty()) {
+    throw InvalidInput(
+        "palpate probe plan: give either SURFACE or --specimen, whose surface is to be probed");
+  }
+  check_pictures({call.picture});
+  check_outputs({call.surface, call.specimen}, {call.output, call.picture});
+  call.options.view_angle = call.view_angle * kDegree;
+  if (!call.sensor.empty()) call.options.sensor = Eigen::Vector3d(call.sensor.data());
+  const geometry::TriangleMesh mesh =
+      call.specimen.empty() ? geometry::read_mesh(call.surface, call.read)
+                            : probing::parse_specimen(probing::read_specimen_text(call.specimen),
+                                                      call.specimen.string())
+                                  ->surface();
+  probing::ContactPlan made;
+  try {
+    made = probing::plan_contacts(mesh, call.options);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        with_option_names(error.what(), {{"PlanOptions::spacing", "--spacing"},
+                                         {"PlanOptions::tip_radius", "--tip-radius"},
+                                         {"PlanOptions::highest_force", "--highest-force"},
+                                         {"PlanOptions::max_force", "--max-force"}}));
+  }
+  probing::write_plan(call.output, made);
+  if (!call.picture.empty()) draw_plan(call.picture, mesh, made);
+  report_plan(settings, call, made);
+}
+
+}  // namespace
+
+void add_probe_plan(CLI::App& probe, const Settings& settings) {
+  auto call = std::make_shared<PlanCall>();
+  probing::PlanOptions& options = call->options;
+  CLI::App* command = probe.add_subcommand("plan", "Plan where and how hard to probe a surface");
+  command->add_option("SURFACE", call->surface, "Mesh of the undeformed object");
+  command->add_option("--specimen", call->specimen,
+                      "In place of SURFACE: a simulated object (JSON; docs/probing.md)");
+  command->add_option("-o,--output", call->output, "Plan to write (plan.json)")->required();
+  add_unit_option(*command, call->read);
+  add_choice<probing::PlanPattern>(
+      *command, "--pattern", options.pattern,
+      {{"farthest-point", probing::PlanPattern::farthest_point},
+       {"grid", probing::PlanPattern::grid}},
+      "farthest-point: even along the surface, each prefix is a coarser plan (default); grid: on "
+      "alternating lines as the sensor sees them");
+  command->add_option("--spacing", options.spacing, "Least distance of contacts [mm]")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  command
+      ->add_option("--contacts", options.contacts, "Largest number of contacts (default: no limit)")
+      ->check(within(above(0)));
+  command->add_option("--tip-radius", options.tip_radius, "Radius of the tip, a ball [mm]")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  command
+      ->add_option("--border", options.border,
+                   "Least distance from the border along the surface, in radii of the tip")
+      ->check(within(at_least(0).finite()))
+      ->capture_default_str();
+  command
+      ->add_option("--view-angle", call->view_angle,
+                   "Largest angle between normal and sensor [degrees]")
+      ->check(within(above(0).at_most(90)))
+      ->capture_default_str();
+  command->add_option("--sensor", call->sensor, "Place of the sensor: x y z [mm] (default: 0 0 0)")
+      ->expected(3);
+  command->add_option("--lowest-force", options.lowest_force, "Least normal force [N]")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  command->add_option("--highest-force", options.highest_force, "Largest normal force [N]")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  command->add_option("--levels", options.levels, "Number of normal forces")
+      ->check(within(above(0)))
+      ->capture_default_str();
+  command
+      ->add_option("--directions", options.directions,
+                   "Number of directions of the tangential force at each level")
+      ->check(within(at_least(0)))
+      ->capture_default_str();
+  command->add_option("--max-force", options.max_force, "Largest force that the arm applies [N]")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  command->add_option("--picture", call->picture, "Also draw the contacts and their parts (PNG)");
+  command->footer("Example:\n  palpate probe plan surface.ply --spacing 14 -o plan.json");
+  command->callback([call, &settings] { plan(settings, *call); });
+}
+
+}  // namespace palpate::apps

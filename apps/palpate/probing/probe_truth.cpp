@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <array>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/probing/csv.h"
+#include "palpate/probing/known_forces.h"
+#include "palpate/probing/specimen_file.h"
+#include "probing/probe.h"
+#include "probing/probe_truth.h"
+#include "shared/call_checks.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using Json = nlohmann::ordered_json;
+
+struct TruthCall {
+  fs::path specimen, output;
+  probing::KnownForceOptions options;
+};
+
+void write_queries(const fs::path& path, const std::vector<probing::KnownForce>& truths) {
+  constexpr std::array<std::string_view, 9> kColumns = {"cx", "cy", "cz", "dx", "dy",
+                                                        "dz", "fx", "fy", "fz"};
+  write_file(path, [&](std::ostream& out) {
+    probing::write_csv_header(out, kColumns);
+    for (const probing::KnownForce& truth : truths) {
+      std::string line;
+      for (const Vector3d& vector : {truth.contact, truth.displacement, truth.force}) {
+        for (const double number : vector)
+          line += (line.empty() ? "" : ",") + probing::to_text(number);
+      }
+      out << line << '\n';
+    }
+  });
+}
+
+void tell_truth(const Settings& settings, const TruthCall& call) {
+  check_outputs({call.specimen}, {call.output / kTruthSurface, call.output / kTruthQueries});
+  const auto specimen =
+      probing::parse_specimen(probing::read_specimen_text(call.specimen), call.specimen.string());
+  try {
+    Progress progress("computing forces");
+    probing::KnownForceOptions options = call.options;
+    options.progress = [&](int done, int total) { progress.show(done, total); };
+    write_truth(call.output, *specimen, options);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        with_option_names(error.what(), {{"known_forces(): ", "palpate probe truth: "},
+                                         {"KnownForceOptions::margin", "--margin"}}));
+  }
+  const auto vertices = specimen->surface().vertices.cols();
+  print(settings,
+        {{"vertices", vertices},
+         {"known_forces", call.options.count},
+         {"output", call.output.string()}},
+        fmt::format("Surface with {} vertices and {} known forces, written to {}", vertices,
+                    call.options.count, call.output.string()));
+}
+
+}  // namespace
+
+void write_truth(const fs::path& folder, const probing::Specimen& specimen,
+                 const probing::KnownForceOptions& options) {
+  const probing::KnownForces known = known_forces(specimen, options);
+  if (!known.unanswered.empty()) throw SolverError(known.unanswered.front().reason);
+  geometry::write_mesh(folder / kTruthSurface, specimen.surface());
+  write_queries(folder / kTruthQueries, known.forces);
+}
+
+void add_probe_truth(CLI::App& probe, const Settings& settings) {
+  auto call = std::make_shared<TruthCall>();
+  CLI::App* command =
+      probe.add_subcommand("truth", "Write the surface and known forces of a simulated object");
+  command->add_option("SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)")
+      ->required();
+  command->add_option("-o,--output", call->output, "Folder for surface.ply and queries.csv")
+      ->required();
+  command->add_option("--queries", call->options.count, "Number of known forces")
+      ->check(within(above(0)))
+      ->capture_default_str();
+  command
+      ->add_option("--margin", call->options.margin,
+                   "Least distance of their places from the border [mm]")
+      ->check(within(at_least(0).finite()))
+      ->capture_default_str();
+  command->add_option("--max-force", call->options.max_force, "Largest of the forces [N]")
+      ->check(within(above(0.1).finite()))
+      ->capture_default_str();
+  command->add_option("--seed", call->options.seed, "Seed of the random places and forces")
+      ->capture_default_str();
+  command->footer(
+      "Example:\n  palpate probe truth sheet.json -o truth/\n"
+      "  palpate evaluate model/ --queries truth/queries.csv");
+  command->callback([call, &settings] { tell_truth(settings, *call); });
+}
+
+}  // namespace palpate::apps

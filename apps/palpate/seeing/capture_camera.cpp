@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "seeing/capture_camera.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/core/require.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+
+namespace palpate::apps {
+
+void add_live_camera_options(CLI::App& command, CameraCall& call) {
+  command
+      .add_option("CAMERA", call.name,
+                  "aravis:NAME (GenICam), v4l2:NUMBER, or simulated:PATH, which plays a folder of "
+                  "images or a video again and again; palpate capture list shows which there are")
+      ->required();
+  command.add_option("--size", call.size, "Width and height of the frames [px]")
+      ->expected(2)
+      ->check(within(at_least(2)));
+  command.add_option("--rate", call.settings.rate, "Frames per second")
+      ->check(within(above(0).finite()));
+  command.add_option("--exposure", call.settings.exposure_us, "Time of exposure [us]")
+      ->check(within(above(0).finite()));
+  command.add_option("--gain", call.settings.gain, "Gain, in the camera's unit (mostly dB)")
+      ->check(within(finite()));
+  command.add_option("--pixel-format", call.settings.pixel_format,
+                     "As GenICam names it, such as Mono8, BayerRG8, BayerRG12, RGB8");
+  command
+      .add_option("--patience", call.patience,
+                  "Time without a frame after which the camera counts as dead [s]; longer than "
+                  "the interval of its frames")
+      ->capture_default_str()
+      ->check(within(above(0).finite()));
+}
+
+std::unique_ptr<sensing::LiveCamera> open_live_camera(const CameraCall& call) {
+  sensing::CameraSettings settings = call.settings;
+  if (!call.size.empty()) settings.size = {call.size[0], call.size[1]};
+  std::unique_ptr<sensing::LiveCamera> camera = sensing::open_camera(call.name, settings);
+  for (const std::string& warning : camera->state().warnings) spdlog::warn("{}", warning);
+  return camera;
+}
+
+std::string bayer_name(sensing::BayerPattern pattern) {
+  for (const char* name : {"rggb", "bggr", "grbg", "gbrg"}) {
+    if (sensing::bayer_pattern(name) == pattern) return name;
+  }
+  return {};
+}
+
+nlohmann::ordered_json figures_of(const sensing::CameraState& state) {
+  return {{"name", state.name},
+          {"camera_size", {state.size.width, state.size.height}},
+          {"rate", number_or_null(state.rate > 0 ? std::optional(state.rate) : std::nullopt)},
+          {"exposure_us", number_or_null(state.exposure_us)},
+          {"gain", number_or_null(state.gain)},
+          {"pixel_format", state.pixel_format},
+          {"bayer", state.bayer ? bayer_name(*state.bayer) : ""},
+          {"bits", state.bits},
+          {"counts_frames", state.counts_frames}};
+}
+
+std::string decode_options_of(const sensing::CameraState& state) {
+  std::string options;
+  if (state.bayer) options += " --bayer " + bayer_name(*state.bayer);
+  if (state.bits > 8) options += fmt::format(" --bits {}", state.bits);
+  return options;
+}
+
+}  // namespace palpate::apps

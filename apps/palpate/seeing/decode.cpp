@@ -1,0 +1,430 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/core/work_in_order.h"
+#include "palpate/sensing/decode_frame.h"
+#include "palpate/sensing/multishot.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/response.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/surface_color.h"
+#include "palpate/sensing/trained_colors.h"
+#include "seeing/decode_input.h"
+#include "seeing/decode_multishot.h"
+#include "seeing/decode_outputs.h"
+#include "seeing/decode_record.h"
+#include "seeing/decode_report.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+#include "shared/result_folder.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct DecodeCall {
+  std::vector<fs::path> frames;
+  fs::path rig, pattern, colors, response;
+  std::optional<sensing::Linearizer> linearizer;  ///< of `response`
+  std::string bayer;
+  int bits = 0;  ///< of 16-bit frames; 0: not stated, all 16
+  std::string segmentation = "flood";
+  std::vector<double> anchor;
+  double window_periods = sensing::DecodeOptions{}.window_periods;
+  bool half = false;
+  fs::path output;        ///< the folder for the results
+  DecodeOutputs outputs;  ///< in the folder where this run writes
+  bool resume = false;
+  bool force = false;      ///< accept frames that do not fit
+  sensing::Pattern shown;  ///< read from `pattern`
+  bool multishot = false;
+  int exposures = 1;  ///< of `multishot`
+};
+
+/// A frame in the pipeline. Only one stage at a time uses it.
+struct FrameItem {
+  sensing::DecodedFrame decoded;
+  FinishedFrame finished;
+  double write_milliseconds = 0;  ///< including counting of pixels, logging and pictures
+};
+
+/// The next frame to be decoded. Frames that an earlier run has finished are added to `kept`.
+std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameSource& source,
+                                         const DecodeRecord& record, Outcomes& kept) {
+  while (auto frame = source.next()) {
+    const FinishedFrame* finished = record.find(*frame);
+    if (finished != nullptr && has_outputs(call.outputs, frame->number, finished->pixels > 0)) {
+      kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
+      continue;
+    }
+    if (call.bits == 0 && frame->number == 0) doubt_bits_when_read(*frame);
+    if (call.linearizer) linearize_when_read(*call.linearizer, *frame);
+    if (!call.anchor.empty() && frame->number == 0) examine_when_read(*frame);
+    FrameItem item;
+    item.decoded.source = std::move(*frame);
+    return item;
+  }
+  return std::nullopt;
+}
+
+/// The colour of the surface in a frame, for screens.
+cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
+                 const sensing::DecodedFrame& decoded) {
+  cv::Mat image = decoded.image;
+  if (call.half) {
+    const cv::Size size(rig.camera.width, rig.camera.height);
+    cv::resize(image(cv::Rect(0, 0, 2 * size.width, 2 * size.height)), image, size, 0, 0,
+               cv::INTER_AREA);
+  }
+  return sensing::srgb_of(sensing::surface_color(image, decoded.result.range, rig, call.shown));
+}
+
+/// Warns if most phases are of no use because their surfaces have no anchor.
+void warn_of_pixels_without_anchor(const std::string& frame, const sensing::ReasonImage& reasons) {
+  const long without = sensing::count(reasons, sensing::Reason::no_transition);
+  const long decoded = sensing::count(reasons, sensing::Reason::reconstructed);
+  if (without <= decoded) return;
+  spdlog::warn(
+      "{}: {} pixels show the sinusoid on surfaces without an anchor, only {} on surfaces with "
+      "one. Give an --anchor on each surface, at its depth in mm, away from edges and holes.",
+      frame, without, decoded);
+}
+
+/// Writes the data of a decoded frame, and measures the time.
+void write_frame(const DecodeCall& call, const sensing::Rig& rig, FrameItem& item) {
+  const Clock::time_point start = Clock::now();
+  const sensing::DecodeResult& result = item.decoded.result;
+  const sensing::SourceFrame& source = item.decoded.source;
+  if (spdlog::should_log(spdlog::level::info)) {  // because counting takes long
+    spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", source.name,
+                 result.transitions, result.regions, result.unresolved_regions,
+                 counts(result.reasons));
+  }
+  item.finished = stamped(source);
+  item.finished.milliseconds = item.decoded.decode_milliseconds;
+  item.finished.evidence = result.evidence;
+  measure_depths(result.range.z, item.finished);
+  if (item.finished.pixels == 0)
+    spdlog::warn("{}: no pixel has a depth; run with -v to see why.", source.name);
+  if (!call.anchor.empty()) warn_of_pixels_without_anchor(source.name, result.reasons);
+  const cv::Mat color = call.outputs.color ? color_of(call, rig, item.decoded) : cv::Mat();
+  item.decoded.image.release();
+  write_outputs(call.outputs, source.number, result, color);
+  item.write_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Whether the rig is the one stored with the range maps.
+bool lies_in_output(const DecodeCall& call) {
+  return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.output / "rig.yaml");
+}
+
+/// What the folder holds if the run ends now.
+std::string what_is_kept(const ResultFolder& folder, const DecodeRecord& record,
+                         const sensing::FrameSource& source) {
+  return folder.what_is_kept(record.finished(),
+                             std::max(record.finished(), source.expected_frames()));
+}
+
+/// Writes the table of the frames of a run that did not finish.
+void write_table_if_there_is_room(const DecodeRecord& record) {
+  try {
+    record.write_table();
+  } catch (const OutputError&) {  // --resume needs only the record
+  }
+}
+
+/// Decodes all frames that are not finished. All outputs of a frame are written or drawn while it
+/// is in the pipeline; only its figures are kept.
+Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
+                    sensing::FrameSource& source, const ResultFolder& folder,
+                    DecodeRecord& record) {
+  std::once_flag begun;
+  const auto begin = [&] {
+    folder.begin();
+    record.begin();
+    // Written before the first range map, so that range maps of an interrupted run are usable. A
+    // rig that is already there is kept as it was written.
+    if (!lies_in_output(call)) sensing::write_rig(call.outputs.folder / "rig.yaml", decoder.rig());
+  };
+  Outcomes kept;
+  const auto next = [&] { return next_unfinished(call, source, record, kept); };
+  const auto work = [&](FrameItem& item) {
+    item.decoded = sensing::decode_frame(std::move(item.decoded.source), decoder);
+    if (!item.decoded.error.empty()) return;
+    std::call_once(begun, begin);
+    write_frame(call, decoder.rig(), item);
+  };
+  Outcomes outcomes;
+  Progress progress("decoding");
+  const InterruptMessage message(what_is_kept(folder, record, source));
+  const auto deliver = [&](FrameItem& item) {
+    const sensing::SourceFrame& frame = item.decoded.source;
+    Outcome& outcome = outcomes[frame.number];
+    if (item.decoded.error.empty()) {
+      const Clock::time_point start = Clock::now();
+      draw_outputs(call.outputs, frame.number, item.decoded.result, frame.name);
+      item.write_milliseconds +=
+          std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+      record.add(item.finished);
+      outcome = {.error = {},
+                 .frame = item.finished,
+                 .read_milliseconds = item.decoded.read_milliseconds,
+                 .write_milliseconds = item.write_milliseconds};
+    } else {
+      outcome.error = item.decoded.error;
+      outcome.frame.name = frame.name;
+    }
+    InterruptMessage::set_kept(what_is_kept(folder, record, source));
+    progress.show(static_cast<int>(frame.number) + 1, static_cast<int>(source.expected_frames()));
+  };
+  try {
+    work_in_order<FrameItem>(next, work, deliver, usual_live_items());
+  } catch (const Interrupted&) {
+    write_table_if_there_is_room(record);
+    throw;
+  } catch (...) {
+    if (record.finished() > 0) {
+      write_table_if_there_is_room(record);
+      spdlog::warn("{}", what_is_kept(folder, record, source));
+    }
+    throw;
+  }
+  record.write_table();
+  outcomes.merge(kept);
+  return outcomes;
+}
+
+/// Everything that a range map depends on besides its frame, by the names of the options.
+nlohmann::ordered_json settings_of(const DecodeCall& call) {
+  return {{"version", PALPATE_VERSION},
+          {"--rig", fingerprint(call.rig)},
+          {"--pattern", fingerprint(call.pattern)},
+          {"--colors", call.colors.empty() ? "" : fingerprint(call.colors)},
+          {"--response", call.response.empty() ? "" : fingerprint(call.response)},
+          {"--anchor", call.anchor},
+          {"--window", call.window_periods},
+          {"--half", call.half},
+          {"--bayer", call.bayer},
+          {"--bits", call.bits},
+          {"--segmentation", call.segmentation}};
+}
+
+/// Several images of a still scene give one range map.
+void decode_scenes(const Settings& settings, const DecodeCall& call, sensing::FrameSource& source,
+                   const sensing::Rig& rig, const sensing::Pattern& pattern) {
+  nlohmann::ordered_json record_settings = settings_of(call);
+  record_settings["--multishot"] = true;
+  record_settings["--exposures"] = call.exposures;
+  const sensing::MultishotDecoder decoder(rig, pattern, {.exposures = call.exposures});
+  decode_multishot(settings, {.decoder = decoder,
+                              .source = source,
+                              .linearizer = call.linearizer ? &*call.linearizer : nullptr,
+                              .output = call.output,
+                              .outputs = call.outputs,
+                              .record_settings = record_settings,
+                              .writes_rig = !lies_in_output(call)});
+}
+
+sensing::Decoder make_decoder(const DecodeCall& call, const sensing::Rig& rig,
+                              const sensing::Pattern& pattern) {
+  sensing::TrainedColors colors;
+  if (!call.colors.empty()) {
+    colors = sensing::read_trained_colors(call.colors);
+  } else if (!pattern.stripe_edges.empty()) {
+    throw InvalidInput("--colors: is missing; " + call.pattern.string() +
+                       " has coloured stripes. Give the trained colours (colors.yaml), as palpate "
+                       "calibrate colors writes them.");
+  }
+  using enum sensing::Segmentation;
+  return {rig,
+          pattern,
+          colors,
+          {.window_periods = call.window_periods,
+           .half_resolution = call.half,
+           .segmentation = call.segmentation == "snakes" ? snakes : flood,
+           .anchors = anchors_of(call.anchor)}};
+}
+
+void decode(const Settings& settings, DecodeCall call) {
+  refuse_pipes({{"--rig", call.rig},
+                {"--pattern", call.pattern},
+                {"--colors", call.colors},
+                {"--response", call.response}});
+  if (call.half && lies_in_output(call)) {
+    throw InvalidInput("--half: " + call.rig.string() +
+                       " would be replaced by the rig of the smaller range maps; choose another "
+                       "folder for them");
+  }
+  sensing::FrameSource source = open_frames(call.frames, call.bayer, call.bits, call.output);
+  if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
+  const sensing::Rig rig = load_rig(call.rig);
+  const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
+  sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
+  if (call.multishot) return decode_scenes(settings, call, source, rig, pattern);
+  if (pattern.multishot && call.anchor.empty()) {
+    throw InvalidInput("--multishot: is missing; " + call.pattern.string() +
+                       " is for several images of a still scene");
+  }
+  call.outputs.noise = call.outputs.sigma && rig.covariance.has_value();
+  const sensing::Decoder decoder = make_decoder(call, rig, pattern);
+  call.shown = pattern;
+  using enum ResultFolder::Unfinished;
+  ResultFolder folder(call.output, decoded_files, call.resume ? resumed : kept);
+  call.outputs.folder = folder.place();
+  DecodeRecord record(folder.place(), settings_of(call), source.files());
+  if (call.resume) record.resume();
+
+  const Clock::time_point start = Clock::now();
+  const Outcomes outcomes = decode_all(decoder, call, source, folder, record);
+  const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
+                                    [](const auto& entry) { return !entry.second.error.empty(); });
+  if (outcomes.empty())
+    throw FileError(call.frames.front().string() + ": holds no frame; pass images or a video.");
+  if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
+  const sensing::DecodeJudgement judgement = judge_sequence(outcomes);
+  if (judgement.usable() || call.force) folder.finish([](const fs::path&) { return true; });
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  report_decoding(settings, folder.place(), call.outputs, outcomes, judgement, seconds);
+  refuse_misfit(judgement, call.force, folder);
+  if (broken > 0)
+    throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.",
+                            broken, outcomes.size()));
+}
+
+}  // namespace
+
+void add_decode(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<DecodeCall>();
+  CLI::App* command = app.add_subcommand("decode", "Decode camera frames into range maps");
+  command->add_option("FRAMES", call->frames, "Images, folders of images, videos")->required();
+  command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
+  command->add_option("--pattern", call->pattern, "Projected pattern (pattern.yaml)")->required();
+  CLI::Option* colors = command->add_option(
+      "--colors", call->colors, "Trained colours (colors.yaml), for a pattern with stripes");
+  command->add_option(
+      "--response", call->response,
+      "Response of projector and camera (response.yaml): frames are linearised first");
+  CLI::Option* anchor =
+      command
+          ->add_option("--anchor", call->anchor,
+                       "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is "
+                       "known; repeat it for each surface")
+          ->expected(3)
+          ->take_all()
+          ->delimiter(',');
+  CLI::Option* window =
+      command
+          ->add_option(
+              "--window", call->window_periods,
+              "Length of the demodulation window in periods of the sinusoid, 1.25 to 8: a longer "
+              "window has less noise; a shorter one resolves finer relief, closer to edges")
+          ->check(within(at_least(1.25).at_most(8)))
+          ->capture_default_str();
+  CLI::Option* half = command->add_flag(
+      "--half", call->half,
+      "Decode at half the size of the frames, which is several times faster; the range "
+      "maps and the rig beside them have that size");
+  CLI::Option* bits =
+      command
+          ->add_option(
+              "--bits", call->bits,
+              "Bits that 16-bit frames use, 8 to 16: 12 if the camera's full scale is 4095")
+          ->check(CLI::Range(8, 16));
+  command
+      ->add_option(
+          "--bayer", call->bayer,
+          "The frames are raw mosaics of a single-chip camera: the colours of the first two "
+          "pixels, then of the two below")
+      ->check(one_of({"rggb", "bggr", "grbg", "gbrg"}));
+  CLI::Option* segmentation =
+      command
+          ->add_option(
+              "--segmentation", call->segmentation,
+              "Method for finding smooth regions: flood, or snakes, which bridge gaps in their "
+              "borders but are slower")
+          ->check(one_of({"flood", "snakes"}))
+          ->capture_default_str();
+  DecodeOutputs& outputs = call->outputs;
+  command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
+  command
+      ->add_option("--meshes", outputs.meshes,
+                   "Also write each range map as a mesh, or (pcd) as an organised point cloud")
+      ->check(one_of({"ply", "obj", "stl", "pcd"}));
+  command->add_flag("--surface-color", outputs.color,
+                    "Also write the colour of the surface without stripes and fringes, "
+                    "NNNNNN_color.png, and give it to --meshes (ply, obj, pcd)");
+  command->add_flag(
+      "--pictures", outputs.pictures,
+      "Also draw each range map in false colour (PNG), and what --sigma and --reasons "
+      "write; drawing takes longer than decoding");
+  command->add_flag("--sigma", outputs.sigma,
+                    "Also write the predicted standard deviation of each depth [mm]: "
+                    "NNNNNN_sigma.tiff. If the rig has a "
+                    "covariance (calibrate rig writes it), they contain the rig's uncertainty, and "
+                    "NNNNNN_noise.tiff has the noise alone; otherwise the rig counts as exact");
+  command->add_flag(
+      "--reasons", outputs.reasons,
+      "Also write why pixels have no depth, as codes: NNNNNN_reasons.tiff. The picture of "
+      "--pictures has a legend");
+  CLI::Option* resume = command->add_flag(
+      "--resume", call->resume,
+      "Keep the frames that an earlier run with the same settings finished in this "
+      "folder");
+  CLI::Option* force =
+      command->add_flag("--force", call->force,
+                        "Accept range maps of frames that do not fit rig, pattern or colours");
+  CLI::Option* multishot = command->add_flag(
+      "--multishot", call->multishot,
+      "Several images of a scene that holds still give one range map: shifted sinusoids, then a "
+      "Gray code, as the pattern says (palpate pattern --multishot)");
+  for (CLI::Option* other : {colors, anchor, window, half, bits, segmentation, resume, force})
+    multishot->excludes(other);
+  command
+      ->add_option("--exposures", call->exposures,
+                   "With --multishot: how often the images of a scene follow each other, each time "
+                   "with another exposure of the camera; a pixel uses those in which it is not "
+                   "clipped")
+      ->needs(multishot)
+      ->check(within(at_least(1)));
+  command->footer(
+      "Frames are numbered from 0 in the order of their file names, in which numbers count as "
+      "numbers: the range map of the first frame is 000000.tiff. frames.csv lists which frame "
+      "belongs to which range map.\n"
+      "A broken frame is reported and skipped, and the exit status is 1; the other frames keep "
+      "their numbers.\n"
+      "Frames whose stripes contradict their sinusoid do not fit rig, pattern or colours. If that "
+      "holds for all together, the exit status is 1 and a sentence states the likely cause. What "
+      "was decoded stays, but does not replace earlier results; --resume --force accepts it.\n"
+      "Without --resume, results of an earlier run in the folder are replaced when all frames are "
+      "decoded; until then they stay as they are. With --resume, frames are kept for which "
+      "decode.jsonl, the record of finished frames, and all requested files exist. Ctrl-C keeps "
+      "the frames that are finished, for --resume.\n"
+      "Examples:\n  palpate decode frames/ --rig rig.yaml --pattern pattern.yaml --colors "
+      "colors.yaml -o range/ --meshes ply\n"
+      "  palpate decode captures/ --multishot --rig rig.yaml --pattern multishot/pattern.yaml -o "
+      "still/ --sigma\n"
+      "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "
+      "colors.yaml -o range/ --sigma --reasons --resume");
+  command->callback([call, &settings] { decode(settings, *call); });
+}
+
+}  // namespace palpate::apps

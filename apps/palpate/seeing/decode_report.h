@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "palpate/sensing/decode_verdict.h"
+#include "palpate/sensing/reason.h"
+#include "seeing/decode_outputs.h"
+#include "seeing/decode_record.h"
+#include "shared/command_line.h"
+#include "shared/result_folder.h"
+
+namespace palpate::apps {
+
+/// The result of one frame, for the report.
+struct Outcome {
+  std::string error;  ///< empty if there is a range map
+  FinishedFrame frame;
+  bool kept = false;  ///< from an earlier run
+  double read_milliseconds = 0;
+  double write_milliseconds = 0;
+};
+using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
+
+/// "1234 reconstructed, 56 unlit, ..."
+[[nodiscard]] std::string counts(const sensing::ReasonImage& reasons);
+
+/// Judges all frames that were decoded as one sequence.
+[[nodiscard]] sensing::DecodeJudgement judge_sequence(const Outcomes& outcomes);
+
+/// Prints what became of the frames, and warns of those that do not fit rig, pattern and colours
+/// although the sequence does.
+/// \param output the folder with the range maps.
+/// \param outputs what was written beside them.
+/// \param seconds the time that all took.
+void report_decoding(const Settings& settings, const std::filesystem::path& output,
+                     const DecodeOutputs& outputs, const Outcomes& outcomes,
+                     const sensing::DecodeJudgement& judgement, double seconds);
+
+/// Refuses results of frames that do not fit rig, pattern or colours. What was decoded stays where
+/// it is, but does not replace earlier results.
+/// \param force only warn.
+/// \throws Error with the likely cause, and how to accept the results.
+void refuse_misfit(const sensing::DecodeJudgement& judgement, bool force,
+                   const ResultFolder& folder);
+
+}  // namespace palpate::apps

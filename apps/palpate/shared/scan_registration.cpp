@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/scan_registration.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cstddef>
+#include <optional>
+
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+
+void add_scan_registration(CLI::App& command, const std::string& noun,
+                           ScanRegistration& registration) {
+  CLI::Option* here = command.add_flag(
+      "--register", registration.wanted,
+      fmt::format(
+          "Register each {} rigidly to those before it, starting from its pose; fails (exit "
+          "status 1) if no pose is reliable",
+          noun));
+  command
+      .add_option("--search-rotation", registration.search_rotation_deg,
+                  "With --register: largest rotation from the start pose [degrees]")
+      ->check(within(at_least(0).at_most(180)))
+      ->capture_default_str()
+      ->needs(here);
+  command
+      .add_option(
+          "--search-translation", registration.options.search_translation,
+          fmt::format("With --register: largest shift of a {}'s centroid from the start pose [mm]",
+                      noun))
+      ->check(within(at_least(0)))
+      ->needs(here);
+  command
+      .add_option("--min-overlap", registration.options.min_overlap,
+                  fmt::format("With --register: smallest share of a {0}'s surface that the {0}s "
+                              "before it must cover",
+                              noun))
+      ->check(within(above(0).at_most(1)))
+      ->capture_default_str()
+      ->needs(here);
+}
+
+nlohmann::ordered_json register_named_scans(std::vector<geometry::Scan>& scans,
+                                            const std::vector<std::string>& names,
+                                            const std::string& noun,
+                                            const ScanRegistration& registration) {
+  geometry::RegistrationOptions options = registration.options;
+  options.search_rotation = registration.search_rotation_deg * kDegree;
+  std::optional<Progress> progress("registering");
+  options.progress = [&](int done, int total) { progress->show(done, total); };
+  const std::vector<geometry::Registration> moves = geometry::register_scans(scans, options);
+  progress.reset();
+  nlohmann::ordered_json figures = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const std::string& name = names[i + 1];
+    if (moves[i].verdict != geometry::RegistrationVerdict::accepted) {
+      throw SolverError(fmt::format(
+          "{} could not be registered to the {}s before it: {}: {}. Pass the poses with --pose and "
+          "omit --register, or pass closer start poses with --pose and their uncertainty with "
+          "--search-rotation and --search-translation.",
+          name, noun, geometry::to_string(moves[i].verdict), moves[i].reason));
+    }
+    scans[i + 1].T_object_scan = moves[i].T_target_source;
+    figures.push_back({{noun, name},
+                       {"verdict", geometry::to_string(moves[i].verdict)},
+                       {"reason", moves[i].reason},
+                       {"rms", moves[i].rms},
+                       {"overlap", moves[i].overlap}});
+    spdlog::info("{} was registered: {}", name, moves[i].reason);
+  }
+  return figures;
+}
+
+}  // namespace palpate::apps

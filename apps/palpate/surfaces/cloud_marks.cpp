@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "palpate/core/error.h"
+#include "palpate/geometry/cloud_clusters.h"
+#include "palpate/geometry/cloud_normals.h"
+#include "palpate/geometry/cloud_shapes.h"
+#include "shared/progress.h"
+#include "shared/words.h"
+#include "surfaces/cloud_step_notes.h"
+#include "surfaces/cloud_steps.h"
+
+namespace palpate::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json in_json(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+/// The numbers of the shapes of the points, 0 for none; empty if no shape was found yet.
+std::vector<std::uint8_t> shapes_of(const geometry::PointCloud& cloud) {
+  const geometry::Attribute* const shapes =
+      geometry::find_attribute(cloud.attributes, kShapeAttribute);
+  if (shapes == nullptr || !std::holds_alternative<std::vector<std::uint8_t>>(shapes->values))
+    return std::vector<std::uint8_t>(static_cast<std::size_t>(cloud.points.cols()), 0);
+  return std::get<std::vector<std::uint8_t>>(shapes->values);
+}
+
+/// The points of no shape yet; the others are unknown to a search for another one.
+Eigen::Matrix3Xd free_points(const geometry::PointCloud& cloud) {
+  Eigen::Matrix3Xd points = cloud.points;
+  const std::vector<std::uint8_t> shapes = shapes_of(cloud);
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    if (shapes[static_cast<std::size_t>(i)] != 0)
+      points.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  return points;
+}
+
+void mark_shape(WorkedCloud& worked, const std::string& name,
+                const geometry::PointsOnShape& on_shape, const Json& figures,
+                const std::string& words) {
+  std::vector<std::uint8_t> shapes = shapes_of(worked.cloud);
+  const int number = shapes.empty() ? 1 : *std::max_element(shapes.begin(), shapes.end()) + 1;
+  if (number > std::numeric_limits<std::uint8_t>::max())
+    throw InvalidInput("--" + name + ": there are 255 shapes already; --remove some first");
+  for (const int i : on_shape.inliers)
+    shapes[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(number);
+  geometry::set_attribute(worked.cloud.attributes,
+                          {.name = kShapeAttribute, .values = std::move(shapes), .list_sizes = {}});
+  worked.found = on_shape.inliers;
+  worked.found_what = name;
+  Json note = {{"shape", number}, {"on_it", on_shape.inliers.size()}, {"rms", on_shape.rms}};
+  note.update(figures);
+  note_step(worked, name, known_count(worked.cloud), note,
+            fmt::format("{}; {} points are on it, {:.4g} mm RMS from it", words,
+                        on_shape.inliers.size(), on_shape.rms));
+}
+
+SolverError not_found(const std::string& name, double tolerance, const CloudSettings& settings) {
+  return SolverError(fmt::format(
+      "--{}: no {} has {:g} % of the points within {:g} mm; a larger tolerance or a smaller "
+      "--min-share may help",
+      name, name, 100 * settings.min_share, tolerance));
+}
+
+geometry::CloudShapeOptions shape_options(double tolerance, const CloudSettings& settings) {
+  return {.tolerance = tolerance,
+          .min_share = settings.min_share,
+          .max_radius = settings.max_radius,
+          .progress = shown_as("looking for shapes")};
+}
+
+/// \throws InvalidInput if nothing was found since the points changed.
+void check_found(const WorkedCloud& worked, const char* step) {
+  if (!worked.found_what.empty()) return;
+  throw InvalidInput(std::string("--") + step +
+                     ": nothing is found before it; pass --plane, --sphere, --cylinder or "
+                     "--cluster just before");
+}
+
+}  // namespace
+
+void mark_plane(WorkedCloud& worked, double tolerance, const CloudSettings& settings) {
+  const auto plane =
+      geometry::find_plane(free_points(worked.cloud), shape_options(tolerance, settings));
+  if (!plane) throw not_found("plane", tolerance, settings);
+  mark_shape(worked, "plane", *plane,
+             {{"point", in_json(plane->point)}, {"normal", in_json(plane->normal)}},
+             fmt::format("normal ({:.4f}, {:.4f}, {:.4f}), through ({:.3f}, {:.3f}, {:.3f}) mm",
+                         plane->normal.x(), plane->normal.y(), plane->normal.z(), plane->point.x(),
+                         plane->point.y(), plane->point.z()));
+}
+
+void mark_sphere(WorkedCloud& worked, double tolerance, const CloudSettings& settings) {
+  const auto sphere =
+      geometry::find_sphere(free_points(worked.cloud), shape_options(tolerance, settings));
+  if (!sphere) throw not_found("sphere", tolerance, settings);
+  mark_shape(worked, "sphere", *sphere,
+             {{"centre", in_json(sphere->centre)}, {"radius", sphere->radius}},
+             fmt::format("radius {:.4f} mm, centre ({:.3f}, {:.3f}, {:.3f}) mm", sphere->radius,
+                         sphere->centre.x(), sphere->centre.y(), sphere->centre.z()));
+}
+
+void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& settings) {
+  const Eigen::Matrix3Xd points = free_points(worked.cloud);
+  std::optional<Eigen::Matrix3Xd> normals = geometry::normals(worked.cloud.attributes);
+  if (!normals)
+    normals = geometry::cloud_normals(points, {.progress = shown_as("finding normals")}).normals;
+  const auto cylinder =
+      geometry::find_cylinder(points, *normals, shape_options(tolerance, settings));
+  if (!cylinder) throw not_found("cylinder", tolerance, settings);
+  mark_shape(worked, "cylinder", *cylinder,
+             {{"point", in_json(cylinder->point)},
+              {"axis", in_json(cylinder->axis)},
+              {"radius", cylinder->radius},
+              {"length", cylinder->length}},
+             fmt::format("radius {:.4f} mm, {:.2f} mm long, axis ({:.4f}, {:.4f}, {:.4f}) through "
+                         "({:.3f}, {:.3f}, {:.3f}) mm",
+                         cylinder->radius, cylinder->length, cylinder->axis.x(), cylinder->axis.y(),
+                         cylinder->axis.z(), cylinder->point.x(), cylinder->point.y(),
+                         cylinder->point.z()));
+}
+
+void mark_clusters(WorkedCloud& worked, double max_gap, const CloudSettings& settings) {
+  const geometry::CloudClusters clusters =
+      geometry::cloud_clusters(worked.cloud.points, {.max_gap = max_gap,
+                                                     .min_points = settings.min_points,
+                                                     .progress = shown_as("joining points")});
+  if (clusters.sizes.empty())
+    throw InvalidInput(
+        fmt::format("--cluster: no cluster has {} points; lower --min-points or "
+                    "raise the gap of {:g} mm",
+                    settings.min_points, max_gap));
+  geometry::set_attribute(
+      worked.cloud.attributes,
+      {.name = kClusterAttribute,
+       .values = std::vector<std::int32_t>(clusters.cluster.begin(), clusters.cluster.end()),
+       .list_sizes = {}});
+  worked.found.clear();
+  Eigen::Index inside = 0;
+  for (std::size_t i = 0; i < clusters.cluster.size(); ++i) {
+    if (clusters.cluster[i] == 0) worked.found.push_back(static_cast<int>(i));
+    inside += clusters.cluster[i] >= 0 ? 1 : 0;
+  }
+  worked.found_what = "largest cluster";
+  const Eigen::Index known = known_count(worked.cloud);
+  note_step(worked, "cluster", known, {{"sizes", clusters.sizes}, {"in_none", known - inside}},
+            fmt::format("{}, the largest of {} points; {} points are in none",
+                        counted(clusters.sizes.size(), "cluster"), clusters.sizes.front(),
+                        known - inside));
+}
+
+void keep_found(WorkedCloud& worked) {
+  check_found(worked, "keep");
+  const std::string what = worked.found_what;
+  keep_only(worked, "keep", std::vector<int>(worked.found), "on the " + what);
+}
+
+void remove_found(WorkedCloud& worked) {
+  check_found(worked, "remove");
+  std::vector<bool> is_found(static_cast<std::size_t>(worked.cloud.points.cols()), false);
+  for (const int i : worked.found) is_found[static_cast<std::size_t>(i)] = true;
+  std::vector<int> others;
+  for (int i = 0; i < worked.cloud.points.cols(); ++i) {
+    if (!is_found[static_cast<std::size_t>(i)] && worked.cloud.points.col(i).allFinite())
+      others.push_back(i);
+  }
+  const std::string what = worked.found_what;
+  keep_only(worked, "remove", others, "not on the " + what);
+}
+
+}  // namespace palpate::apps

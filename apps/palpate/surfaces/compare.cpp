@@ -1,0 +1,368 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/core/require.h"
+#include "palpate/geometry/cross_section.h"
+#include "palpate/geometry/error_statistics.h"
+#include "palpate/geometry/mesh_distance.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/registration.h"
+#include "palpate/pictures/draw_differences.h"
+#include "palpate/pictures/draw_distances.h"
+#include "palpate/pictures/draw_section.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/depth_score.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+#include "surfaces/in_both.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// [mm] Range of the position of a cross-section: 1000 km either way.
+constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);
+
+struct CompareCall {
+  fs::path a, b, rig, mask, section, picture, aligned;
+  bool align = false;
+  geometry::RegistrationMethod method = geometry::RegistrationOptions{}.method;
+  double search_rotation_deg = 45;
+  double search_translation = std::numeric_limits<double>::infinity();
+  double section_y = 0;
+  double within = std::numeric_limits<double>::infinity();
+  geometry::ReadOptions meshes;
+};
+
+void check_is_surface(const fs::path& path) {
+  if (!is_folder(path)) return;
+  if (is_there(path / "field.json") || is_there(path / "field.cbor")) {
+    throw InvalidInput(path.string() +
+                       ": is a model folder; compare measures the distance of surfaces. Give its "
+                       "surface, " +
+                       (path / "surface.ply").string() +
+                       ". To compare the forces of a model with known ones, use palpate evaluate.");
+  }
+  throw InvalidInput(path.string() + ": is a folder; give one range map or mesh in it.");
+}
+
+geometry::TriangleMesh load_surface(const fs::path& path, const CompareCall& call) {
+  geometry::TriangleMesh mesh =
+      is_range_map(path) ? geometry::mesh_range_map(load_range_map(path, {.rig = call.rig})).mesh
+                         : geometry::read_mesh(path, call.meshes);
+  if (mesh.triangles.cols() == 0) {
+    throw InvalidInput(
+        path.string() +
+        (is_range_map(path) ? ": no two neighbouring pixels have a depth" : ": has no triangles") +
+        "; there is no surface to compare");
+  }
+  if (!(geometry::surface_area(mesh) > 0))
+    throw InvalidInput(path.string() + ": its triangles have no area; there is nothing to compare");
+  return mesh;
+}
+
+/// A cross-section as one series of a chart: depth over X, a gap between its lines.
+pictures::SectionSeries section_series(const std::string& name, const geometry::TriangleMesh& mesh,
+                                       double y) {
+  const std::vector<geometry::Polyline> lines = geometry::cross_section(mesh, y);
+  if (lines.empty()) {
+    throw InvalidInput(fmt::format("{}: the plane Y = {} mm does not meet this surface.", name, y));
+  }
+  std::vector<double> x, z;
+  for (const geometry::Polyline& line : lines) {
+    x.insert(x.end(), line.row(0).begin(), line.row(0).end());
+    z.insert(z.end(), line.row(2).begin(), line.row(2).end());
+    x.push_back(std::numeric_limits<double>::quiet_NaN());
+    z.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+  const auto size = static_cast<Eigen::Index>(x.size());
+  return {.name = name,
+          .x = Eigen::Map<const Eigen::VectorXd>(x.data(), size),
+          .y = Eigen::Map<const Eigen::VectorXd>(z.data(), size)};
+}
+
+/// Compares two range maps of one camera pixel by pixel; B is the truth.
+void compare_pixels(const Settings& settings, const CompareCall& call) {
+  check_is_depths(call.a);
+  check_is_depths(call.b);
+  const geometry::ImageF a = geometry::read_depth_tiff(call.a);
+  const geometry::ImageF b = geometry::read_depth_tiff(call.b);
+  if (a.rows() != b.rows() || a.cols() != b.cols()) {
+    throw InvalidInput(fmt::format(
+        "{} has {} x {} px and {} has {} x {} px: comparing depths needs two range maps of one "
+        "camera",
+        call.a.string(), a.cols(), a.rows(), call.b.string(), b.cols(), b.rows()));
+  }
+  const geometry::RangeMapScore score =
+      call.mask.empty() ? geometry::score_range_map(a, b)
+                        : geometry::score_range_map(a, b, read_mask(call.mask, b));
+  if (!(a.isFinite() && b.isFinite()).any()) {
+    throw InvalidInput(call.a.string() + " and " + call.b.string() +
+                       ": no pixel is known in both; there is nothing to compare.");
+  }
+  if (score.measurable == 0) {
+    throw InvalidInput(call.mask.string() + ": none of its non-zero pixels has a depth in " +
+                       call.b.string() + ".");
+  }
+  if (!call.picture.empty()) {
+    pictures::draw_differences(call.picture, score,
+                               call.a.filename().string() + " minus " + call.b.filename().string());
+  }
+  print(settings, score_figures(score),
+        fmt::format("Depth of A minus depth of B, pixel by pixel, at a distance of {:.0f} mm.\n",
+                    score.distance) +
+            score_prose(score,
+                        call.mask.empty() ? "with a depth in B" : "of the mask with a depth in B"));
+}
+
+nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
+  return {{"lower", distance.lower},
+          {"upper", distance.upper},
+          {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
+}
+
+/// This many points determine a pose far better than needed; more only take longer.
+constexpr Eigen::Index kAlignPoints = 20000;
+
+/// Selects at most kAlignPoints of them, evenly.
+Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
+  const Eigen::Index step = (points.cols() + kAlignPoints - 1) / kAlignPoints;
+  return points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
+}
+
+/// Moves the smaller surface onto the larger, because a reference of the object alone lies on what
+/// a sensor saw of it and its surroundings, but not vice versa.
+geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
+                                        const geometry::TriangleMesh& b) {
+  Progress progress("aligning");
+  const geometry::RegistrationOptions options{
+      .method = call.method,
+      .search_rotation = call.search_rotation_deg * kDegree,
+      .search_translation = call.search_translation,
+      .progress = [&](int done, int total) { progress.show(done, total); }};
+  if (geometry::surface_area(a) <= geometry::surface_area(b))
+    return geometry::register_points(thinned(a.vertices), b, options);
+  geometry::Registration found = geometry::register_points(thinned(b.vertices), a, options);
+  found.T_target_source = found.T_target_source.inverse();
+  return found;
+}
+
+/// A pose row by row, as `palpate merge --pose` reads it.
+nlohmann::ordered_json to_json(const Eigen::Isometry3d& pose) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& row : pose.matrix().rowwise()) rows.push_back({row[0], row[1], row[2], row[3]});
+  return rows;
+}
+
+/// Moves A onto B and adds the pose to the figures. A pose that is not accepted is an error,
+/// because there is nothing to compare.
+/// \return the same in words.
+std::string align(const CompareCall& call, geometry::TriangleMesh& a,
+                  const geometry::TriangleMesh& b, nlohmann::ordered_json& figures) {
+  const geometry::Registration found = register_smaller(call, a, b);
+  if (found.verdict != geometry::RegistrationVerdict::accepted) {
+    const bool slides = found.verdict == geometry::RegistrationVerdict::slides;
+    throw SolverError(fmt::format(
+        "{} could not be aligned with {}: {}: {}. {}", call.a.string(), call.b.string(),
+        geometry::to_string(found.verdict), found.reason,
+        slides ? "The smaller surface needs relief in all directions: remove large planes from "
+                 "it, and include more of the object."
+               : "Bring the surfaces closer to each other, and limit the search with "
+                 "--search-rotation and --search-translation."));
+  }
+  a.vertices = found.T_target_source * a.vertices;
+  const Eigen::AngleAxisd turn(found.T_target_source.linear());
+  figures["aligned"] = {{"rotation", turn.angle()},
+                        {"translation", found.T_target_source.translation().norm()},
+                        {"pose", to_json(found.T_target_source)},
+                        {"verdict", geometry::to_string(found.verdict)},
+                        {"reason", found.reason},
+                        {"rms", found.rms},
+                        {"median", found.median},
+                        {"overlap", found.overlap},
+                        {"starts", found.starts}};
+  return fmt::format("A was rotated by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
+                     turn.angle(), found.T_target_source.translation().norm(), found.reason);
+}
+
+/// Warns if the surfaces cannot be two of one object.
+void doubt_places(const CompareCall& call, const geometry::TriangleMesh& a,
+                  const geometry::TriangleMesh& b, const geometry::SurfaceDistances& spread) {
+  constexpr double kOtherUnit = 100;  // of sizes: as m to cm; other wrong units are off by more
+  constexpr double kApart = 0.1;      // of the smaller size: two of one object meet somewhere
+  const double small = std::min(bounding_diagonal(a), bounding_diagonal(b));
+  const double large = std::max(bounding_diagonal(a), bounding_diagonal(b));
+  const double apart = spread.distance.cwiseAbs().minCoeff();
+  if (large < kOtherUnit * small && apart <= kApart * small) return;
+  spdlog::warn(
+      "{} is {:.4g} mm large, {} {:.4g} mm, and they are {:.4g} mm apart or more: are they in the "
+      "same unit (--unit) and frame? --align brings surfaces together that are only displaced",
+      call.a.string(), bounding_diagonal(a), call.b.string(), bounding_diagonal(b), apart);
+}
+
+/// Other inputs: the distance of A's surface from B's, over its area, and the largest distance.
+void compare_surfaces(const Settings& settings, const CompareCall& call) {
+  geometry::TriangleMesh a = load_surface(call.a, call);
+  const geometry::TriangleMesh b = load_surface(call.b, call);
+  nlohmann::ordered_json figures;
+  std::string prose;
+  const Eigen::ArrayXd depths = a.vertices.row(2);  // before A is moved out of its camera's frame
+  if (call.align) prose = align(call, a, b, figures);
+  if (!call.aligned.empty()) geometry::write_mesh(call.aligned, a);
+  const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
+  doubt_places(call, a, b, spread);
+  const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
+  if (!call.section.empty()) {
+    const std::vector<pictures::SectionSeries> series = {
+        section_series(call.a.filename().string(), a, call.section_y),
+        section_series(call.b.filename().string(), b, call.section_y)};
+    pictures::draw_section(call.section, series,
+                           fmt::format("Cross-section at Y = {} mm", call.section_y),
+                           {.x = "X [mm]", .y = "Z [mm]"});
+  }
+  if (!call.picture.empty()) {
+    pictures::draw_distances(
+        call.picture, spread.cells, spread.distance,
+        {.title = call.a.filename().string() + ": distance from " + call.b.filename().string(),
+         .subtitle = fmt::format("root mean square {:.3f} mm, mean {:.3f} mm, 90 % of the area "
+                                 "within {:.3f} mm, largest {:.3f} mm; red is outside",
+                                 spread.rms, spread.mean, spread.p90, largest.a_to_b.upper),
+         .limit = std::max(spread.p90, kLeastScale)});
+  }
+  figures.update({{"area", spread.area},
+                  {"rms", spread.rms},
+                  {"mean", spread.mean},
+                  {"median", spread.median},
+                  {"p90", spread.p90},
+                  {"max", largest.a_to_b.upper},
+                  {"hausdorff",
+                   {{"lower", largest.lower},
+                    {"upper", largest.upper},
+                    {"a_to_b", to_json(largest.a_to_b)},
+                    {"b_to_a", to_json(largest.b_to_a)}}}});
+  const InBoth in_both = is_range_map(call.a) ? points_in_both(a.vertices, depths, b, call.within)
+                                              : area_in_both(spread, b, call.within);
+  figures["in_both"] = to_json(in_both);
+  print(settings, figures,
+        prose + fmt::format(
+                    "Distance of A's surface from B's, over its area: RMS {:.3f} mm, signed mean "
+                    "{:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm.\n"
+                    "{}"
+                    "Hausdorff distance: A to B at most {:.3f} mm (at least {:.3f}), B to A at "
+                    "most {:.3f} mm (at least {:.3f}).",
+                    spread.rms, spread.mean, spread.median, spread.p90, in_words(in_both),
+                    largest.a_to_b.upper, largest.a_to_b.lower, largest.b_to_a.upper,
+                    largest.b_to_a.lower));
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<CompareCall>();
+  CLI::App* command = app.add_subcommand("compare", "Compare two range maps or surfaces");
+  command->add_option("A", call->a, "Range map or mesh")->required();
+  command->add_option("B", call->b, "Range map or mesh to compare with")->required();
+  command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
+  command->add_option("--mask", call->mask,
+                      "Image of the pixels that can be measured (non-zero), for two range maps; "
+                      "the coverage refers to them (default: all that have a depth in B)");
+  add_unit_option(*command, call->meshes);
+  CLI::Option* align = command->add_flag(
+      "--align", call->align,
+      "First register A rigidly to B; one may be a part of the other. Fails (exit status 1) if no "
+      "pose is reliable");
+  add_choice<geometry::RegistrationMethod>(
+      *command, "--method", call->method,
+      {{"point_to_triangle", geometry::RegistrationMethod::point_to_triangle},
+       {"point_to_plane", geometry::RegistrationMethod::point_to_plane},
+       {"point_to_point", geometry::RegistrationMethod::point_to_point}},
+      "With --align: method that refines the pose. point_to_triangle (default) uses the triangles "
+      "themselves and is the most accurate; point_to_plane (PCL's ICP with normals) suits fine "
+      "meshes with little noise; point_to_point (PCL's ICP) needs no normals, but is limited by "
+      "the spacing of the vertices")
+      ->needs(align);
+  command
+      ->add_option("-o,--output", call->aligned,
+                   "With --align: also write surface A at its new pose (.ply, .obj or .stl)")
+      ->needs(align);
+  command
+      ->add_option("--search-rotation", call->search_rotation_deg,
+                   "With --align: largest rotation of A from its given pose [degrees]")
+      ->check(within(at_least(0).at_most(180)))
+      ->capture_default_str()
+      ->needs(align);
+  command
+      ->add_option(
+          "--search-translation", call->search_translation,
+          "With --align: largest distance of the smaller surface's centroid from its final place "
+          "[mm] (default: unknown; then the smaller surface must cover the larger one or start "
+          "close to "
+          "its final place)")
+      ->check(within(at_least(0)))
+      ->needs(align);
+  command
+      ->add_option("--within", call->within,
+                   "Ignore points of A farther than this from B [mm], for example surroundings of "
+                   "the object "
+                   "that the sensor saw too")
+      ->check(within(above(0)));
+  CLI::Option* section =
+      command
+          ->add_option("--section", call->section,
+                       "Draw the cross-sections of both (PNG; default name: section.png)")
+          ->expected(0, 1);
+  command->add_option("--section-y", call->section_y, "Position of the cross-section: Y [mm]")
+      ->check(within(kPlaces))
+      ->capture_default_str()
+      ->needs(section);
+  command->add_option("--picture", call->picture,
+                      "Draw the differences of two range maps, or surface A coloured by its signed "
+                      "distance from B (PNG)");
+  command->footer(
+      "Two range maps of one camera are compared pixel by pixel, unless --align or --section is "
+      "given; B is the truth. A\n"
+      "depth is wrong if it is more than 1 % of the distance off, or where B has none; the errors "
+      "are those of all others.\n"
+      "Otherwise the command measures the distance of A's surface from B's over its area, and the\n"
+      "Hausdorff distance in both directions, with verified bounds.\n"
+      "Examples:\n  palpate compare range/000000.tiff truth.tiff --mask lit.png --picture "
+      "differences.png\n"
+      "  palpate compare range/000000.tiff reference.ply --align --within 5 --section "
+      "section.png\n"
+      "  palpate compare reference.ply range/000000.tiff --align -o aligned.ply\n"
+      "  palpate compare small.ply surface.ply --picture distances.png");
+  command->callback([call, section, &settings] {
+    if (section->count() > 0 && call->section.empty()) call->section = "section.png";
+    check_outputs({call->a, call->b, call->mask}, {call->section, call->picture, call->aligned});
+    check_pictures({call->section, call->picture});
+    check_is_surface(call->a);
+    check_is_surface(call->b);
+    const bool pixels =
+        is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
+    if (!pixels && !call->mask.empty()) {
+      throw InvalidInput(
+          "palpate compare: --mask is for two range maps that are compared pixel by pixel, without "
+          "--align and --section.");
+    }
+    pixels ? compare_pixels(settings, *call) : compare_surfaces(settings, *call);
+  });
+}
+
+}  // namespace palpate::apps

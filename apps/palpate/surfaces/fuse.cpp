@@ -1,0 +1,281 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "palpate/core/require.h"
+#include "palpate/geometry/median.h"
+#include "palpate/geometry/merge_scans.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/pictures/draw_mesh.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/pose_file.h"
+#include "shared/progress.h"
+#include "shared/scan_registration.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct FuseCall {
+  std::vector<fs::path> inputs, poses;
+  fs::path output, picture;
+  MapCamera camera;
+  geometry::ReadOptions meshes;
+  ScanRegistration registration;
+  geometry::MergeScansOptions options;
+  bool force = false;  ///< fuse scans that disagree
+};
+
+/// The files of all scans: range maps, also of folders, or meshes.
+std::vector<fs::path> list_scans(const FuseCall& call) {
+  const fs::path& first = call.inputs.front();
+  if (is_folder(first) || is_range_map(first) || is_image(first)) {
+    std::vector<fs::path> maps = list_range_maps(call.inputs);
+    check_camera_options(maps.front(), call.camera);
+    if (call.meshes.unit) {
+      throw InvalidInput(first.string() +
+                         ": --unit works for mesh files; range maps are in mm, and the unit of a "
+                         "depth image is its --scale");
+    }
+    return maps;
+  }
+  for (const fs::path& input : call.inputs) {
+    if (is_folder(input) || is_range_map(input) || is_image(input)) {
+      throw InvalidInput(input.string() + ": is not a mesh as " + first.string() +
+                         " is; pass either meshes or range maps.");
+    }
+  }
+  return call.inputs;
+}
+
+/// The pose of each scan: of a file each, or of the files in a folder that have the scans' names.
+std::vector<Eigen::Isometry3d> read_poses(const FuseCall& call,
+                                          const std::vector<fs::path>& scans) {
+  std::vector<fs::path> files = call.poses;
+  if (files.size() == 1 && is_folder(files.front())) {
+    files.clear();
+    for (const fs::path& scan : scans)
+      files.push_back(call.poses.front() / (scan.stem().string() + ".txt"));
+  }
+  if (!files.empty() && files.size() != scans.size()) {
+    throw InvalidInput(fmt::format(
+        "palpate fuse: {} poses for {} scans; pass one for each scan, in the same order, a folder "
+        "with a text file for each, or none.",
+        files.size(), scans.size()));
+  }
+  std::vector<Eigen::Isometry3d> poses(scans.size(), Eigen::Isometry3d::Identity());
+  for (std::size_t i = 0; i < files.size(); ++i) poses[i] = read_pose(files[i]);
+  return poses;
+}
+
+/// The deviations that `decode --sigma` has written beside a range map, at the vertices of its
+/// mesh: those of the noise, if the rig's part, which scans have in common, is known apart.
+Eigen::VectorXd read_sigma(const fs::path& map, const geometry::RangeMapMesh& meshed) {
+  const fs::path file = noise_beside(map);
+  if (!is_range_map(map) || !is_there(file)) return {};
+  const geometry::ImageF sigma = geometry::read_depth_tiff(file);
+  if (sigma.cols() != meshed.width || sigma.rows() != meshed.height) {
+    throw FileError(fmt::format("{}: is {} x {} px; its range map is {} x {} px", file.string(),
+                                sigma.cols(), sigma.rows(), meshed.width, meshed.height));
+  }
+  Eigen::VectorXd at_vertices(static_cast<Eigen::Index>(meshed.source.size()));
+  for (std::size_t v = 0; v < meshed.source.size(); ++v) {
+    const float value = sigma.reshaped<Eigen::RowMajor>()[meshed.source[v]];
+    if (!(value > 0)) {
+      throw FileError(fmt::format(
+          "{}: the pixel in column {}, row {} has a depth and no deviation > 0", file.string(),
+          meshed.source[v] % meshed.width, meshed.source[v] / meshed.width));
+    }
+    at_vertices[static_cast<Eigen::Index>(v)] = value;
+  }
+  return at_vertices;
+}
+
+geometry::Scan read_scan(const FuseCall& call, const fs::path& file) {
+  if (!is_range_map(file) && !is_image(file))
+    return {.mesh = geometry::read_mesh(file, call.meshes)};
+  geometry::RangeMapMesh meshed = geometry::mesh_range_map(load_range_map(file, call.camera));
+  if (meshed.mesh.triangles.cols() == 0)
+    throw InvalidInput(file.string() + ": no two neighbouring pixels have a depth.");
+  Eigen::VectorXd sigma = read_sigma(file, meshed);
+  return {.mesh = std::move(meshed.mesh),
+          .sigma = std::move(sigma),
+          .viewpoint = Eigen::Vector3d::Zero()};
+}
+
+/// Merges, with the names of files and options in messages.
+geometry::MergedScans merge_named(const FuseCall& call, const std::vector<geometry::Scan>& scans,
+                                  const std::vector<std::string>& names) {
+  geometry::MergeScansOptions options = call.options;
+  options.progress = shown_as("fusing");
+  try {
+    return geometry::merge_scans(scans, options);
+  } catch (const InvalidInput& error) {
+    std::vector<std::pair<std::string, std::string>> words = {
+        {"MergeScansOptions::max_memory", "--max-memory"},
+        {"MergeScansOptions::spacing", "--spacing"},
+        {"repair_mesh", "palpate mesh --repair"}};
+    // The last first, so that no number begins another.
+    for (std::size_t i = names.size(); i-- > 0;)
+      words.emplace_back("merge_scans: scan " + std::to_string(i), names[i]);
+    throw InvalidInput(with_option_names(error.what(), words));
+  }
+}
+
+/// Refuses scans that disagree where they overlap, unless the call insists.
+/// \return the pairs that disagree, with the names of their files.
+Json refuse_conflicts(const FuseCall& call, const geometry::MergedScans& merged,
+                      const std::vector<std::string>& names) {
+  Json pairs = Json::array();
+  const auto name = [&](int scan) { return names[static_cast<std::size_t>(scan)]; };
+  for (const geometry::ScanConflict& conflict : merged.conflicts) {
+    pairs.push_back({{"scan", name(conflict.scan)},
+                     {"other", name(conflict.other)},
+                     {"hidden", conflict.share},
+                     {"depth", conflict.depth}});
+  }
+  if (pairs.empty()) return pairs;
+  const geometry::ScanConflict& worst = merged.conflicts.front();
+  const std::string found = fmt::format(
+      "{} and {} disagree where they overlap: {:.0f} % of the places that the first saw lie behind "
+      "the surface of the second, by {:.3g} mm (median){}",
+      name(worst.scan), name(worst.other), 100 * worst.share, worst.depth,
+      pairs.size() > 1 ? fmt::format("; in all, {} pairs of scans disagree", pairs.size()) : "");
+  if (!call.force) {
+    throw SolverError(found +
+                      ". The object moved, the scans show different scenes, or poses are wrong. "
+                      "Fuse only scans of an object that holds still, pass their poses with --pose "
+                      "or find them with --register; --force fuses these nevertheless");
+  }
+  spdlog::warn("{}.", found);
+  return pairs;
+}
+
+geometry::MeshFile mesh_file(const geometry::MergedScans& merged) {
+  geometry::MeshFile file;
+  file.mesh = merged.mesh;
+  if (merged.sigma.size() > 0) {
+    const Eigen::VectorXf sigma = merged.sigma.cast<float>();
+    file.vertex_attributes = {{"sigma", std::vector<float>(sigma.begin(), sigma.end()), {}}};
+  }
+  return file;
+}
+
+void fuse(const Settings& settings, const FuseCall& call) {
+  std::vector<fs::path> inputs = call.inputs;
+  inputs.insert(inputs.end(), call.poses.begin(), call.poses.end());
+  check_outputs(inputs, {call.output, call.picture});
+  check_pictures({call.picture});
+  const std::vector<fs::path> files = list_scans(call);
+  const std::vector<Eigen::Isometry3d> poses = read_poses(call, files);
+  std::vector<geometry::Scan> scans;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    scans.push_back(read_scan(call, files[i]));
+    scans.back().T_object_scan = poses[i];
+    names.push_back(files[i].string());
+  }
+  Json registered = Json::array();
+  if (call.registration.wanted)
+    registered = register_named_scans(scans, names, "scan", call.registration);
+  const geometry::MergedScans merged = merge_named(call, scans, names);
+  const Json conflicts = refuse_conflicts(call, merged, names);
+  geometry::write_mesh_file(call.output, mesh_file(merged));
+  if (!call.picture.empty()) {
+    pictures::draw_mesh(call.picture, merged.mesh, "fused from " + counted(scans.size(), "scan"),
+                        pictures::MeshPart::whole);
+  }
+  const int components = geometry::connected_components(merged.mesh).count;
+  Json figures = {{"scans", scans.size()},
+                  {"spacing", merged.spacing},
+                  {"vertices", merged.mesh.vertices.cols()},
+                  {"triangles", merged.mesh.triangles.cols()},
+                  {"components", components},
+                  {"conflicts", conflicts}};
+  std::string prose;
+  if (merged.sigma.size() > 0) {
+    const double sigma =
+        geometry::median(std::vector<double>(merged.sigma.begin(), merged.sigma.end()));
+    figures["median_sigma"] = sigma;
+    prose = fmt::format(
+        "the noise of the scans leaves a standard deviation of {:.4f} mm (median)\n", sigma);
+  }
+  figures["registered"] = registered;
+  figures["file"] = call.output.string();
+  print(settings, figures,
+        prose + fmt::format("{} fused on a grid of {:.4g} mm into {} vertices and {} "
+                            "triangles in {}, written to {}",
+                            counted(scans.size(), "scan"), merged.spacing,
+                            merged.mesh.vertices.cols(), merged.mesh.triangles.cols(),
+                            counted(components, "piece"), call.output.string()));
+}
+
+}  // namespace
+
+void add_fuse(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<FuseCall>();
+  CLI::App* command =
+      app.add_subcommand("fuse", "Fuse range maps or meshes of an object into one surface");
+  command
+      ->add_option("SCAN", call->inputs,
+                   "Range maps (TIFF), depth images (16-bit PNG) or folders of them; or mesh files")
+      ->required();
+  command->add_option("-o,--output", call->output, "Mesh to write (.ply, .obj or .stl)")
+      ->required();
+  command->add_option(
+      "--pose", call->poses,
+      "Poses of the scans in one coordinate system: text files with a 4 x 4 matrix (rotation "
+      "and translation [mm]) that maps the scan into it, one per scan in the same order, or a "
+      "folder that has NAME.txt for the scan NAME (default: all scans already are in one)");
+  add_scan_registration(*command, "scan", call->registration);
+  add_camera_options(*command, call->camera);
+  add_unit_option(*command, call->meshes);
+  command
+      ->add_option("--spacing", call->options.spacing,
+                   "Spacing of the grid, and about the edge length of the surface [mm] (default: "
+                   "the median edge length of the scans)")
+      ->check(within(above(0).finite()));
+  command
+      ->add_option("--reach", call->options.reach,
+                   "Average scans that are within this many spacings of each other")
+      ->check(within(at_least(2).finite()))
+      ->capture_default_str();
+  command
+      ->add_option("--max-memory", call->options.max_memory,
+                   "Refuse a grid that needs more memory than this [GB]")
+      ->check(within(above(0)))
+      ->capture_default_str();
+  command->add_flag("--force", call->force,
+                    "Fuse scans that disagree where they overlap, which is refused otherwise");
+  command->add_option("--picture", call->picture, "Also draw the surface (PNG)");
+  command->footer(
+      "The signed distances of all scans are averaged on a grid, and the surface is where they are "
+      "zero. It is open where no scan measured. All scans must show the object in one state: where "
+      "one saw through the surface of another, by more than the reach, they disagree (exit status "
+      "1). If decode --sigma has written the standard "
+      "deviations of all range maps beside them, the mean is weighted by them, and a PLY file gets "
+      "the standard deviation of each vertex (sigma) that the noise of the scans leaves.\n"
+      "Examples:\n  palpate fuse range/ -o still.ply                        # frames of a still "
+      "scene\n"
+      "  palpate fuse range/ --pose poses/ -o object.ply --spacing 0.5\n"
+      "  palpate fuse front.ply left.ply back.ply --register --min-overlap 0.3 -o object.ply");
+  command->callback([call, &settings] { fuse(settings, *call); });
+}
+
+}  // namespace palpate::apps

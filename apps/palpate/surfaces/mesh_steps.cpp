@@ -1,0 +1,268 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "surfaces/mesh_steps.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <numeric>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/geometry/attribute_transfer.h"
+#include "palpate/geometry/decimation.h"
+#include "palpate/geometry/hole_filling.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/mesh_repair.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_smoothing.h"
+#include "palpate/geometry/self_intersection_removal.h"
+#include "palpate/geometry/self_intersections.h"
+#include "palpate/geometry/smoothing.h"
+#include "palpate/geometry/surface_query.h"
+#include "shared/color_picture.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
+  if (steps.meshes.unit) {
+    throw InvalidInput(input.string() + ": --unit works for mesh files; " +
+                       (is_range_map(input) ? "range maps are in mm"
+                                            : "the unit of a depth image is its --scale"));
+  }
+  return load_range_map(input, steps.camera);
+}
+
+/// Uses the deviations that `decode --sigma` has written beside the range map: those of the noise,
+/// if the rig's part, which moves neighbours alike, is known apart.
+void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
+  const fs::path file = noise_beside(input);
+  if (!is_range_map(input) || !is_there(file)) {
+    throw FileError(file.string() +
+                    ": missing. --smooth-depths needs the predicted deviations, which palpate "
+                    "decode --sigma writes beside the range map.");
+  }
+  map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
+}
+
+/// Of noisy or wrong depths, less than this share of the pixels is part of a surface.
+constexpr double kLeastMeshed = 0.5;
+
+/// How MeshLab names the pictures of a texture in PLY files.
+constexpr const char* kTextureComment = "TextureFile ";
+
+MadeMesh from_file(geometry::MeshFile file) {
+  MadeMesh made;
+  made.mesh = std::move(file.mesh);
+  made.attributes = std::move(file.vertex_attributes);
+  made.texture = geometry::corner_texture(file.triangle_attributes);
+  made.material_files = std::move(file.material_files);
+  made.materials = std::move(file.materials);
+  for (std::string& comment : file.comments)
+    if (comment.starts_with(kTextureComment)) made.comments.push_back(std::move(comment));
+  return made;
+}
+
+/// Takes the texture to the mesh that a step has made.
+/// \param source of its vertices among those of `made`, or -1.
+void carry_texture(MadeMesh& made, const geometry::TriangleMesh& after,
+                   std::span<const int> source) {
+  if (made.texture)
+    made.texture = geometry::carried_texture(*made.texture, made.mesh, after, source);
+}
+
+MadeMesh load(const fs::path& input, const MeshSteps& steps) {
+  if (!is_range_map(input) && !is_image(input)) {
+    if (steps.smooth_depths)
+      throw InvalidInput(input.string() +
+                         ": --smooth-depths works for range maps, not for meshes.");
+    if (steps.camera.scale || !steps.camera.intrinsics.empty()) {
+      throw InvalidInput(input.string() + ": " + (steps.camera.scale ? "--scale" : "--intrinsics") +
+                         " works for depth images (16-bit PNG), which this is not");
+    }
+    geometry::ReadOptions options = steps.meshes;
+    options.keep_defects = steps.repair;
+    if (steps.color)
+      throw InvalidInput(input.string() + ": --color works for range maps, not for meshes.");
+    return from_file(geometry::read_mesh_file(input, options));
+  }
+  geometry::RangeMap map = load_map(input, steps);
+  if (steps.smooth_depths) smooth_depths(input, map);
+  const auto known = (map.z == map.z).count();
+  MadeMesh made;
+  made.mesh = geometry::mesh_range_map(map).mesh;
+  made.figures["pixels"] = known;
+  made.prose = fmt::format("{} pixels with a depth\n", known);
+  if (made.mesh.triangles.cols() == 0)
+    throw InvalidInput(input.string() + ": no two neighbouring pixels have a depth.");
+  if (static_cast<double>(made.mesh.vertices.cols()) < kLeastMeshed * static_cast<double>(known)) {
+    tell_doubts(
+        input.string(),
+        {{.subject = "mesh",
+          .message = fmt::format("only {} of {} pixels with a depth are part of a surface; do "
+                                 "camera and unit belong to these depths?",
+                                 made.mesh.vertices.cols(), known)}});
+  }
+  return made;
+}
+
+/// Normals of the vertices would no longer be those of the surface.
+void drop_normals(geometry::Attributes& attributes) {
+  std::erase_if(attributes, [](const geometry::Attribute& attribute) {
+    return attribute.name == "nx" || attribute.name == "ny" || attribute.name == "nz";
+  });
+}
+
+void repair(MadeMesh& made, const MeshSteps& steps) {
+  geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh, {.progress = steps.repairing});
+  made.attributes = geometry::selected_attributes(made.attributes, repaired.source);
+  carry_texture(made, repaired.mesh, repaired.source);
+  made.mesh = std::move(repaired.mesh);
+  made.figures["repair"] = {{"removed_triangles", repaired.removed_triangles},
+                            {"flipped_edges", repaired.flipped_edges},
+                            {"turned_triangles", repaired.turned_triangles},
+                            {"welded_vertices", repaired.welded_vertices},
+                            {"split_vertices", repaired.split_vertices},
+                            {"removed_vertices", repaired.removed_vertices},
+                            {"cut_edges", repaired.cut_edges}};
+  made.prose += fmt::format(
+      "repaired: {} triangles removed, {} edges flipped, {} triangles reoriented, {} vertices "
+      "welded, {} split and {} removed, {} edges cut\n",
+      repaired.removed_triangles, repaired.flipped_edges, repaired.turned_triangles,
+      repaired.welded_vertices, repaired.split_vertices, repaired.removed_vertices,
+      repaired.cut_edges);
+  for (const geometry::MeshDefect& defect : geometry::find_all_defects(made.mesh))
+    made.prose += "  remaining: " + geometry::describe(defect) + "\n";
+}
+
+/// Takes on the mesh of a step that replaces places by patches. New vertices have what is nearest
+/// to them of the mesh before.
+/// \param source of its vertices among those of `made`, or -1.
+void take_patched(MadeMesh& made, geometry::TriangleMesh after, std::span<const int> source) {
+  if (!made.attributes.empty()) {
+    const geometry::SurfaceQuery query(made.mesh);
+    const std::vector<geometry::SurfacePoint> of_vertices = geometry::vertex_points(made.mesh);
+    std::vector<geometry::SurfacePoint> places;
+    for (std::size_t v = 0; v < source.size(); ++v) {
+      const bool kept =
+          source[v] >= 0 && of_vertices[static_cast<std::size_t>(source[v])].triangle >= 0;
+      places.push_back(
+          kept ? of_vertices[static_cast<std::size_t>(source[v])]
+               : query.closest_point(after.vertices.col(static_cast<Eigen::Index>(v))).at);
+    }
+    made.attributes = geometry::interpolated_attributes(made.attributes, made.mesh, places);
+  }
+  carry_texture(made, after, source);
+  made.mesh = std::move(after);
+}
+
+void fill_holes(MadeMesh& made, const MeshSteps& steps) {
+  geometry::FilledMesh filled = geometry::fill_holes(
+      made.mesh, {.max_diameter = *steps.fill_holes, .progress = steps.filling});
+  std::vector<int> source(static_cast<std::size_t>(filled.mesh.vertices.cols()), -1);
+  std::iota(source.begin(), source.begin() + made.mesh.vertices.cols(), 0);
+  take_patched(made, std::move(filled.mesh), source);
+  made.figures["holes"] = {{"filled", filled.filled}, {"left", filled.left}};
+  made.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
+}
+
+void remove_intersections(MadeMesh& made, const MeshSteps& steps) {
+  geometry::SelfIntersectionRemoval removal =
+      geometry::remove_self_intersections(made.mesh, {.progress = steps.removing_intersections});
+  take_patched(made, std::move(removal.mesh), removal.source);
+  made.figures["self_intersections"] = {{"found", removal.found}, {"left", removal.left}};
+  made.prose +=
+      fmt::format("{} triangles passed through others, {} still do\n", removal.found, removal.left);
+}
+
+void remesh(MadeMesh& made, const MeshSteps& steps) {
+  geometry::Remeshing remeshed = geometry::remesh(made.mesh, {.edge_length = *steps.remesh,
+                                                              .feature_angle = steps.feature_angle,
+                                                              .progress = steps.remeshing});
+  made.attributes = geometry::interpolated_attributes(made.attributes, made.mesh, remeshed.places);
+  const geometry::MeshShape shape = geometry::mesh_shape(remeshed.mesh);
+  made.figures["remeshing"] = {{"edge_length", *steps.remesh},
+                               {"triangles_before", made.mesh.triangles.cols()},
+                               {"triangles_after", remeshed.mesh.triangles.cols()},
+                               {"mean_edge", shape.mean_edge}};
+  made.prose +=
+      fmt::format("{} triangles before, {} after remeshing; edges of {:.3g} mm on average\n",
+                  made.mesh.triangles.cols(), remeshed.mesh.triangles.cols(), shape.mean_edge);
+  if (made.texture) {
+    spdlog::warn("--remesh: the texture is left out: the new vertices are not at its seams");
+    made.texture.reset();
+    made.material_files.clear();
+    made.comments.clear();
+  }
+  made.mesh = std::move(remeshed.mesh);
+}
+
+void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
+  const double tolerance = *steps.tolerance;
+  const double diagonal = geometry::bounding_diagonal(made.mesh);
+  if (tolerance > diagonal) {
+    throw InvalidInput(fmt::format(
+        "{}: --tolerance: {:g} mm exceeds the mesh's diagonal of {:.1f} mm; nothing of the mesh "
+        "would remain",
+        input.string(), tolerance, diagonal));
+  }
+  const geometry::DecimationOptions options = {.tolerance = tolerance,
+                                               .progress = steps.decimating};
+  geometry::Decimation decimated;
+  if (made.texture) {
+    geometry::TexturedDecimation textured = geometry::decimate(made.mesh, *made.texture, options);
+    decimated = std::move(textured.decimation);
+    made.texture = std::move(textured.texture);
+  } else {
+    decimated = geometry::decimate(made.mesh, options);
+  }
+  made.figures["decimation"] = {{"tolerance", tolerance},
+                                {"triangles_before", made.mesh.triangles.cols()},
+                                {"triangles_after", decimated.mesh.triangles.cols()},
+                                {"distance", decimated.distance}};
+  if (decimated.mesh.triangles.cols() == made.mesh.triangles.cols()) {
+    made.prose += fmt::format("none of {} triangles can be removed within {:g} mm\n",
+                              made.mesh.triangles.cols(), tolerance);
+  } else {
+    made.prose += fmt::format(
+        "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm (verified)\n",
+        made.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
+  }
+  made.attributes = geometry::selected_attributes(made.attributes, decimated.source);
+  made.mesh = std::move(decimated.mesh);
+}
+
+}  // namespace
+
+MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
+  MadeMesh made = load(input, steps);
+  drop_normals(made.attributes);
+  if (steps.repair) repair(made, steps);
+  if (steps.fill_holes) fill_holes(made, steps);
+  if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
+  if (steps.remove_intersections) remove_intersections(made, steps);
+  if (steps.remesh) remesh(made, steps);
+  if (steps.tolerance) decimate(input, made, steps);
+  if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);
+  made.figures["vertices"] = made.mesh.vertices.cols();
+  made.figures["triangles"] = made.mesh.triangles.cols();
+  return made;
+}
+
+std::vector<std::string> seen_from(const fs::path& output, const fs::path& input,
+                                   std::vector<std::string> names) {
+  const fs::path from = fs::absolute(output).lexically_normal().parent_path();
+  const fs::path folder = fs::absolute(input).lexically_normal().parent_path();
+  if (folder == from) return names;
+  for (std::string& name : names)
+    name = (folder / name).lexically_normal().lexically_relative(from).string();
+  return names;
+}
+
+}  // namespace palpate::apps

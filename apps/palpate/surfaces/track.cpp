@@ -1,0 +1,424 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/geometry/error_statistics.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/pictures/draw_distances.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+#include "shared/result_folder.h"
+#include "surfaces/node_motions_file.h"
+#include "surfaces/surface_tracker.h"
+#include "surfaces/track_record.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// More nodes than a graph can be solved with, and steps than a frame can need.
+constexpr int kMostNodes = 100000;
+constexpr int kMostSteps = 10000;
+
+struct TrackCall {
+  fs::path input, reference, output;
+  fs::path place;  ///< where this run writes, for `output`
+  MapCamera camera;
+  std::string format = "ply";
+  geometry::ReadOptions meshes;
+  TrackingOptions tracking;
+  bool pictures = false;
+  bool resume = false;
+};
+
+fs::path mesh_name(const TrackCall& call, const fs::path& range_map) {
+  return range_map.stem().string() + "." + call.format;
+}
+fs::path mesh_file(const TrackCall& call, const fs::path& range_map) {
+  return call.place / mesh_name(call, range_map);
+}
+fs::path nodes_file(const TrackCall& call, const fs::path& range_map) {
+  return call.place / "nodes" / (range_map.stem().string() + ".ply");
+}
+fs::path picture_file(const TrackCall& call, const fs::path& range_map) {
+  return call.place / (range_map.stem().string() + ".png");
+}
+
+bool is_complete(const TrackCall& call, const TrackedFrame& frame) {
+  return !frame.lost.empty() || (is_there(mesh_file(call, frame.range_map)) &&
+                                 is_there(nodes_file(call, frame.range_map)) &&
+                                 (!call.pictures || is_there(picture_file(call, frame.range_map))));
+}
+
+/// The surface to track, and the file that it comes from.
+struct Reference {
+  fs::path file;
+  geometry::TriangleMesh mesh;
+};
+
+Reference load_reference(const TrackCall& call, const fs::path& first_map) {
+  Reference reference{.file = call.reference.empty() ? first_map : call.reference, .mesh = {}};
+  if (is_image(reference.file)) {
+    if (call.meshes.unit) {
+      throw InvalidInput(reference.file.string() + ": --unit is for mesh files; " +
+                         (is_range_map(reference.file)
+                              ? "range maps are in mm"
+                              : "the unit of a depth image is its --scale"));
+    }
+    reference.mesh = geometry::mesh_range_map(load_range_map(reference.file, call.camera)).mesh;
+  } else {
+    reference.mesh = geometry::read_mesh(reference.file, call.meshes);
+  }
+  if (reference.mesh.triangles.cols() == 0) {
+    throw InvalidInput(reference.file.string() +
+                       (is_image(reference.file)
+                            ? ": no two neighbouring pixels have a depth; there is no surface to "
+                              "track. Give one with --reference."
+                            : ": has no triangles; there is no surface to track."));
+  }
+  return reference;
+}
+
+/// All that the meshes depend on besides the range maps.
+nlohmann::ordered_json settings_of(const TrackCall& call, const fs::path& reference,
+                                   const fs::path& first_map) {
+  const bool needs_rig = call.camera.intrinsics.empty();
+  return {{"version", PALPATE_VERSION},
+          {"--reference", fingerprint(reference)},
+          {"--unit", call.meshes.unit.value_or(0)},
+          {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
+          {"--scale", call.camera.scale.value_or(0)},
+          {"--intrinsics", call.camera.intrinsics},
+          {"--nodes", call.tracking.graph.nodes},
+          {"--stiffness", call.tracking.registration.stiffness},
+          {"--reach", call.tracking.registration.max_correspondence},
+          {"--iterations", call.tracking.registration.max_iterations},
+          {"--min-visible", call.tracking.min_visible},
+          {"--max-stretch", call.tracking.max_stretch},
+          {"--from-reference", call.tracking.from_reference},
+          {"--format", call.format}};
+}
+
+/// Draws the surface that was found in `range_map`, unless nothing of it was measured.
+void draw(const TrackCall& call, const fs::path& range_map, const SurfaceTracker& tracker,
+          double rms) {
+  const geometry::DeformedSurface& surface = tracker.surface();
+  const geometry::TriangleMesh mesh{.vertices = surface.vertices,
+                                    .triangles = tracker.graph().mesh().triangles};
+  Eigen::VectorXd distances(mesh.triangles.cols());  // NaN unless all corners are measured
+  for (Eigen::Index t = 0; t < distances.size(); ++t)
+    distances[t] = surface.distance(mesh.triangles.col(t)).mean();
+  const geometry::ErrorStatistics error =
+      geometry::error_statistics({distances.begin(), distances.end()});
+  if (error.count == 0) return;
+  pictures::draw_distances(
+      picture_file(call, range_map), mesh, distances,
+      {.title =
+           range_map.filename().string() + ": distance of the tracked surface from the range map",
+       .subtitle = fmt::format("root mean square {:.3f} mm; grey was not measured", rms),
+       .limit = std::max(error.p95, kLeastScale)});
+}
+
+/// Writes what the tracker found. The record of the frame has to be written after it.
+void write(const TrackCall& call, const fs::path& range_map, const SurfaceTracker& tracker,
+           double rms) {
+  const geometry::DeformedSurface& surface = tracker.surface();
+  geometry::MeshFile mesh;
+  mesh.mesh = {.vertices = surface.vertices, .triangles = tracker.graph().mesh().triangles};
+  const auto add = [&](const char* name, const Eigen::VectorXd& values) {
+    geometry::set_attribute(mesh.vertex_attributes,
+                            {.name = name,
+                             .values = std::vector<float>(values.begin(), values.end()),
+                             .list_sizes = {}});
+  };
+  add("distance", surface.distance);
+  add("confidence", tracking_confidence(surface));
+  if (call.pictures) draw(call, range_map, tracker, rms);
+  write_node_motions(nodes_file(call, range_map), tracker.graph(), surface.node_motions);
+  geometry::write_mesh_file(mesh_file(call, range_map), mesh);
+}
+
+/// The frames, and what this run has to say of them beyond the record.
+struct Tracking {
+  std::vector<TrackedFrame> frames;
+  std::size_t kept = 0;
+  std::size_t recorded = 0;  ///< of `frames`, with those that are kept
+  double seconds = 0;        ///< for those that are not kept
+};
+
+/// \throws InvalidInput if the first surface that was measured is not where the reference lies.
+TrackedFrame track_one(const TrackCall& call, const Reference& reference, const fs::path& file,
+                       SurfaceTracker& tracker) {
+  const auto lost = [&](const std::string& why) {
+    spdlog::error("{}", why);
+    return TrackedFrame{
+        .range_map = file.filename().string(), .fingerprint = fingerprint(file), .lost = why};
+  };
+  geometry::RangeMap map;
+  try {
+    map = load_range_map(file, call.camera);
+  } catch (const InvalidInput& error) {
+    return lost(error.what());
+  }
+  if (!(map.z > 0).any()) return lost(file.string() + ": no pixel has a depth");
+  TrackedFrame frame = tracker.track(map);
+  frame.range_map = file.filename().string();
+  frame.fingerprint = fingerprint(file);
+  if (frame.lost.empty()) return frame;
+  if (!tracker.has_start()) {
+    throw InvalidInput(fmt::format(
+        "{}: does not lie at the pose of the first frame, {}: {}. Give a reference at that pose, "
+        "or move it there: palpate compare {} {} --align -o aligned.ply",
+        reference.file.string(), file.string(), frame.lost, reference.file.string(),
+        file.string()));
+  }
+  return lost(file.string() + ": " + frame.lost);
+}
+
+/// Tracks the frames that are not kept, and adds them to `tracking`.
+void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const Reference& reference,
+               const ResultFolder& folder, TrackRecord& record, Tracking& tracking) {
+  SurfaceTracker tracker(call.tracking, reference.mesh);
+  for (const TrackedFrame& frame : tracking.frames) {
+    if (!frame.lost.empty()) spdlog::error("{}", frame.lost);
+  }
+  const auto last = std::find_if(tracking.frames.rbegin(), tracking.frames.rend(),
+                                 [](const TrackedFrame& frame) { return frame.lost.empty(); });
+  if (last != tracking.frames.rend())
+    tracker.start_from(
+        read_node_motions(nodes_file(call, last->range_map), tracker.graph().nodes().cols()));
+  Progress progress("tracking");
+  const InterruptMessage message({});
+  const auto show = [&] {
+    InterruptMessage::set_kept(folder.what_is_kept(tracking.recorded, maps.size()));
+    progress.show(static_cast<int>(tracking.frames.size()), static_cast<int>(maps.size()));
+  };
+  show();
+  const Clock::time_point start = Clock::now();
+  while (tracking.frames.size() < maps.size()) {
+    const fs::path& file = maps[tracking.frames.size()];
+    tracking.frames.push_back(track_one(call, reference, file, tracker));
+    const TrackedFrame& frame = tracking.frames.back();
+    // Before a frame is found nothing is written: the call may be wrong.
+    if (tracker.has_start()) {
+      if (tracking.recorded == tracking.kept) folder.begin();
+      record.begin();
+      if (frame.lost.empty()) write(call, file, tracker, frame.rms);
+      for (; tracking.recorded < tracking.frames.size(); ++tracking.recorded)
+        record.add(tracking.frames[tracking.recorded]);
+    }
+    if (frame.lost.empty()) {
+      spdlog::info("{}: RMS {:.3f} mm, {:.1f} % of the vertices measured, {} iterations{}",
+                   file.string(), frame.rms, 100 * frame.measured, frame.iterations,
+                   frame.settled ? "" : ", not settled");
+    }
+    show();
+  }
+  tracking.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Warns if the range maps hardly show how the surface moves along itself.
+void doubt_motion_along(double confidence) {
+  constexpr double kSure = 0.3;  // smooth surfaces have less than 0.2, clear relief 0.5 and more
+  if (confidence >= kSure) return;
+  spdlog::warn(
+      "the surface follows the range maps, but they hardly show how it moves along itself "
+      "(confidence {:.2f} in the median): there is too little relief, or too much noise. Vertices "
+      "move along it with the least distortion, and need not stay at the same point of the object",
+      confidence);
+}
+
+void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
+            const geometry::TriangleMesh& mesh) {
+  nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
+  nlohmann::ordered_json lost = nlohmann::ordered_json::array();
+  std::string prose, lost_names;
+  std::vector<double> rms, confidence;
+  for (std::size_t i = 0; i < tracking.frames.size(); ++i) {
+    const TrackedFrame& frame = tracking.frames[i];
+    nlohmann::ordered_json entry = to_json(frame);
+    entry["kept"] = i < tracking.kept;
+    if (frame.lost.empty()) {
+      const std::string file = (call.output / mesh_name(call, frame.range_map)).string();
+      entry["file"] = file;
+      rms.push_back(frame.rms);
+      confidence.push_back(frame.confidence);
+      prose += fmt::format(
+          "{} -> {}: RMS {:.3f} mm, 95 % within {:.3f} mm, largest {:.3f} mm; {:.1f} % of the "
+          "vertices measured{}{}\n",
+          frame.range_map, file, frame.rms, frame.p95, frame.max, 100 * frame.measured,
+          frame.settled ? "" : "; not settled",
+          i < tracking.kept ? "; kept from an earlier run" : "");
+    } else {
+      lost.push_back(frame.range_map);
+      lost_names += (lost_names.empty() ? "" : ", ") + frame.range_map;
+      prose += fmt::format("{}: lost\n", frame.range_map);
+    }
+    per_frame.push_back(std::move(entry));
+  }
+  const geometry::ErrorStatistics of_rms = geometry::error_statistics(rms);
+  const double sure = geometry::error_statistics(confidence).median;
+  doubt_motion_along(sure);
+  const double done = static_cast<double>(tracking.frames.size() - tracking.kept);
+  print(settings,
+        {{"range_maps", tracking.frames.size()},
+         {"meshes", rms.size()},
+         {"kept", tracking.kept},
+         {"lost", lost},
+         {"vertices", mesh.vertices.cols()},
+         {"triangles", mesh.triangles.cols()},
+         {"median_rms", of_rms.median},
+         {"largest_rms", of_rms.max},
+         {"median_confidence", sure},
+         {"seconds_per_frame", tracking.seconds / done},
+         {"per_frame", per_frame}},
+        prose + fmt::format("{} of {} range maps became meshes of {} vertices and {} triangles in "
+                            "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm; "
+                            "confidence {:.2f}.",
+                            rms.size(), tracking.frames.size(), mesh.vertices.cols(),
+                            mesh.triangles.cols(), call.output.string(), of_rms.median, of_rms.max,
+                            sure));
+  if (!lost.empty()) {
+    throw Error(fmt::format("{} of {} frames were lost ({}); the others have their meshes.",
+                            lost.size(), tracking.frames.size(), lost_names));
+  }
+}
+
+void track(const Settings& settings, TrackCall call) {
+  if (!is_folder(call.input)) {
+    throw InvalidInput(
+        call.input.string() +
+        ": is a file; give a folder of range maps, as palpate decode writes them, or of "
+        "depth images.");
+  }
+  const std::vector<fs::path> maps = list_range_maps({call.input});
+  check_output_folder({call.input, call.reference, call.camera.rig}, call.output);
+  check_camera_options(maps.front(), call.camera);
+  const Reference reference = load_reference(call, maps.front());
+  using enum ResultFolder::Unfinished;
+  ResultFolder folder(call.output, tracked_files, call.resume ? resumed : kept);
+  call.place = folder.place();
+  TrackRecord record(folder.place(), settings_of(call, reference.file, maps.front()), maps);
+  if (call.resume)
+    record.resume([&](const TrackedFrame& frame) { return is_complete(call, frame); });
+  Tracking tracking{
+      .frames = record.kept(), .kept = record.kept().size(), .recorded = record.kept().size()};
+  try {
+    track_all(call, maps, reference, folder, record, tracking);
+  } catch (const OutputError&) {
+    spdlog::warn("{}", folder.what_is_kept(tracking.recorded, maps.size()));
+    throw;
+  }
+  const bool is_lost = std::ranges::none_of(
+      tracking.frames, [](const TrackedFrame& frame) { return frame.lost.empty(); });
+  if (is_lost) throw FileError(tracking.frames.front().lost);
+  std::set<std::string> found;
+  for (const TrackedFrame& frame : tracking.frames)
+    if (frame.lost.empty()) found.insert(fs::path(frame.range_map).stem().string());
+  folder.finish([&](const fs::path& file) { return found.contains(file.stem().string()); });
+  report(settings, call, tracking, reference.mesh);
+}
+
+}  // namespace
+
+void add_track(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<TrackCall>();
+  CLI::App* command = app.add_subcommand(
+      "track", "Track a surface through range maps: one mesh per frame, with the same triangles");
+  command
+      ->add_option("RANGE_FOLDER", call->input,
+                   "Folder of range maps (TIFF) or depth images (16-bit PNG) of one camera")
+      ->required();
+  command->add_option(
+      "--reference", call->reference,
+      "Mesh, range map or depth image of the surface to track, at its pose in the first frame "
+      "(default: the first range map)");
+  add_camera_options(*command, call->camera);
+  add_unit_option(*command, call->meshes);
+  command->add_option("-o,--output", call->output, "Folder for the meshes")->required();
+  command->add_option("--format", call->format, "Format of the meshes: ply or obj")
+      ->check(one_of({"ply", "obj"}))
+      ->capture_default_str();
+  command
+      ->add_option("--nodes", call->tracking.graph.nodes,
+                   "Number of nodes that deform the surface; more follow smaller dents and take "
+                   "longer")
+      ->check(within(at_least(1).at_most(kMostNodes)))
+      ->capture_default_str();
+  command
+      ->add_option("--stiffness", call->tracking.registration.stiffness,
+                   "Resistance of the surface to deformation: a low value follows small dents and "
+                   "noise, a high one bridges holes smoothly")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  command
+      ->add_option("--reach", call->tracking.registration.max_correspondence,
+                   "Largest distance of the surface from the reference in the first frame, as a "
+                   "fraction of the reference's diagonal; from frame to frame it may move by about "
+                   "a third of it")
+      ->check(within(at_least(geometry::NonRigidOptions{}.min_correspondence).at_most(1)))
+      ->capture_default_str();
+  command
+      ->add_option("--iterations", call->tracking.registration.max_iterations,
+                   "Largest number of registration steps per frame")
+      ->check(within(at_least(1).at_most(kMostSteps)))
+      ->capture_default_str();
+  command
+      ->add_option("--min-visible", call->tracking.min_visible,
+                   "A frame is lost if a smaller fraction of the vertices that face the camera "
+                   "lies on the measured surface")
+      ->check(within(at_least(0).at_most(1)))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--max-stretch", call->tracking.max_stretch,
+          "The reference is refused if its edges must be stretched by more than this fraction "
+          "(median), times its visible fraction, to lie on the first range map")
+      ->check(within(at_least(0).finite()))
+      ->capture_default_str();
+  command->add_flag("--from-reference", call->tracking.from_reference,
+                    "Start every frame from the reference instead of the previous frame: errors do "
+                    "not accumulate, but the surface has to stay within --reach of the reference");
+  command->add_flag("--pictures", call->pictures,
+                    "Also draw each mesh coloured by its distance from the range map (PNG)");
+  command->add_flag("--resume", call->resume,
+                    "Keep the frames that an earlier run with the same settings finished in this "
+                    "folder");
+  command->footer(
+      "The reference is deformed to lie on each range map in turn. All meshes have the triangles "
+      "and the vertex\norder of the reference. A vertex stays at the same point of the object "
+      "where relief shows how the surface moves\nalong itself; on a plane, a sphere or another "
+      "smooth shape, range maps do not show it, and vertices move with the\nleast distortion.\n"
+      ".ply files also contain the distance of each vertex from the range map (NaN where nothing "
+      "was measured) and a\nconfidence from 0 to 1: how far the range map determines where the "
+      "vertex is, across the surface and along it.\n"
+      "A frame that is broken or lost gets no mesh, the next one starts from the last frame that "
+      "was "
+      "tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, nodes/ "
+      "the data for --resume. Results of an earlier run in\nthe folder are replaced completely, "
+      "when all frames are tracked, unless --resume is given; Ctrl-C keeps what is finished.\n"
+      "Examples:\n  palpate track range/ -o meshes/\n"
+      "  palpate mesh range/000000.tiff --fill-holes 10 --tolerance 0.2 -o reference.ply\n"
+      "  palpate track range/ --reference reference.ply -o meshes/ --format obj --resume\n"
+      "  palpate track depth/ --scale 1 --intrinsics 600,600,320,240 -o meshes/");
+  command->callback([call, &settings] { track(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "surfaces/track_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <utility>
+
+#include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kTrackFile = "track.jsonl";
+constexpr const char* kTrackRecord = "frames of palpate track";
+
+/// What the user can do without the record, for messages.
+constexpr const char* kTrackRemedy = "Leave out --resume to track all frames again";
+
+TrackedFrame tracked_frame(const Json& json) {
+  TrackedFrame frame{
+      .range_map = json.at("range_map"), .fingerprint = json.at("fingerprint"), .lost = {}};
+  if (json.contains("lost")) {
+    frame.lost = json.at("lost");
+    return frame;
+  }
+  frame.rms = json.at("rms");
+  frame.p95 = json.at("p95");
+  frame.max = json.at("max");
+  frame.measured = json.at("measured");
+  frame.visible = json.at("visible");
+  frame.stretch = json.at("stretch");
+  frame.confidence = json.at("confidence");
+  frame.iterations = json.at("iterations");
+  frame.settled = json.at("settled");
+  return frame;
+}
+
+/// The first line of a record; null if there is none.
+Json read_head(const fs::path& record) {
+  std::ifstream stream(record, std::ios::binary);
+  std::string line;
+  std::getline(stream, line);
+  Json head = Json::parse(line, nullptr, false);
+  return head.is_object() && head.value("kind", "") == kTrackRecord ? head : Json();
+}
+
+/// The names, without endings, of the range maps that a record is about.
+std::set<std::string> claimed_stems(const Json& head) {
+  std::set<std::string> stems;
+  if (!head.contains("inputs")) return stems;
+  for (const Json& input : head.at("inputs"))
+    stems.insert(fs::path(input.get<std::string>()).stem().string());
+  return stems;
+}
+
+}  // namespace
+
+std::vector<fs::path> tracked_files(const fs::path& folder) {
+  const fs::path record = folder / kTrackFile;
+  const Json head = read_head(record);
+  if (is_there(record) && head.is_null()) {
+    throw InvalidInput(record.string() +
+                       ": would be replaced, and is not a record of palpate track; nothing is "
+                       "changed. Give a new or an empty folder, or remove it.");
+  }
+  const std::set<std::string> claimed = claimed_stems(head);
+  std::vector<fs::path> files;
+  for (const fs::path& place : {folder, folder / "nodes"}) {
+    if (!is_there(place) || !is_folder(place)) continue;
+    for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
+      const fs::path& file = entry.path();
+      const bool may_be_result =
+          file.extension() == ".ply" || file.extension() == ".obj" || file.extension() == ".png";
+      if (is_hidden(file) || !may_be_result) continue;
+      if (!claimed.contains(file.stem().string())) {
+        throw InvalidInput(file.string() +
+                           ": lies where meshes are to be written, and no track.jsonl says that it "
+                           "comes from an earlier run; nothing is changed. Give a new or an empty "
+                           "folder, or remove it.");
+      }
+      files.push_back(file.lexically_relative(folder));
+    }
+  }
+  return files;
+}
+
+Json to_json(const TrackedFrame& frame) {
+  Json json = {{"range_map", frame.range_map}, {"fingerprint", frame.fingerprint}};
+  if (!frame.lost.empty()) {
+    json["lost"] = frame.lost;
+    return json;
+  }
+  json["rms"] = frame.rms;
+  json["p95"] = frame.p95;
+  json["max"] = frame.max;
+  json["measured"] = frame.measured;
+  json["visible"] = frame.visible;
+  json["stretch"] = frame.stretch;
+  json["confidence"] = frame.confidence;
+  json["iterations"] = frame.iterations;
+  json["settled"] = frame.settled;
+  return json;
+}
+
+TrackRecord::TrackRecord(fs::path folder, Json settings, std::vector<fs::path> inputs)
+    : folder_(std::move(folder)), settings_(std::move(settings)), inputs_(std::move(inputs)) {}
+
+fs::path TrackRecord::path() const { return folder_ / kTrackFile; }
+
+void TrackRecord::check_inputs(const Json& head) const {
+  const auto before = head.at("inputs").get<std::vector<std::string>>();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (i < inputs_.size() && before[i] == inputs_[i].filename()) continue;
+    throw InvalidInput(fmt::format(
+        "{}: range map {} was {} and is now {}. New range maps may only follow the old ones. {}.",
+        path().string(), i, before[i],
+        i < inputs_.size() ? inputs_[i].filename().string() : std::string("missing"),
+        kTrackRemedy));
+  }
+}
+
+void TrackRecord::resume(const std::function<bool(const TrackedFrame&)>& is_complete) {
+  if (!is_there(path())) return;
+  const RunRecord record = read_run_record(path(), kTrackRemedy);
+  try {
+    check_same_settings(path(), record.head.at("settings"), settings_, kTrackRemedy);
+    check_inputs(record.head);
+    for (std::size_t i = 0; i < std::min(record.items.size(), inputs_.size()); ++i) {
+      const TrackedFrame frame = tracked_frame(record.items[i]);
+      if (frame.range_map != inputs_[i].filename() ||
+          frame.fingerprint != fingerprint(inputs_[i]) || !is_complete(frame))
+        return;
+      kept_.push_back(frame);
+    }
+  } catch (const Json::exception& error) {
+    throw FileError(fmt::format("{}: this is not a record of palpate track ({}). {}.",
+                                path().string(), error.what(), kTrackRemedy));
+  }
+}
+
+void TrackRecord::begin() {
+  if (writer_) return;
+  Json names = Json::array();
+  for (const fs::path& input : inputs_) names.push_back(input.filename().string());
+  RunRecord record{.head = {{"kind", kTrackRecord}, {"settings", settings_}, {"inputs", names}},
+                   .items = {}};
+  for (const TrackedFrame& frame : kept_) record.items.push_back(to_json(frame));
+  writer_.emplace(path(), record);
+}
+
+void TrackRecord::add(const TrackedFrame& frame) {
+  begin();
+  writer_->add(to_json(frame));
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "whole/demo.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_score.h"
+#include "palpate/pictures/draw_mesh.h"
+#include "palpate/pictures/draw_range_map.h"
+#include "palpate/sensing/decode.h"
+#include "palpate/sensing/depth_image.h"
+#include "palpate/sensing/frame.h"
+#include "shared/depth_score.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// A frame of the bundled data, its rig, and `truth`, the common prefix of its truth images.
+struct DemoFrame {
+  std::string name;
+  fs::path image, rig, truth;
+};
+
+Json see(const DemoFrame& frame, const sensing::Pattern& pattern,
+         const sensing::TrainedColors& colors, const fs::path& output) {
+  const sensing::Decoder decoder(sensing::read_rig(frame.rig), pattern, colors);
+  const cv::Mat image = sensing::read_frame(frame.image);
+  const auto start = std::chrono::steady_clock::now();
+  const sensing::DecodeResult decoded = decoder.decode(image);
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - start;
+  const geometry::RangeMap& range = decoded.range;
+
+  const geometry::TriangleMesh mesh = geometry::mesh_range_map(range).mesh;
+  geometry::write_depth_tiff(output / "range" / (frame.name + ".tiff"), range.z);
+  geometry::write_mesh(output / "meshes" / (frame.name + ".ply"), mesh);
+  pictures::draw_range_map(output / "pictures" / (frame.name + "_range.png"), range,
+                           "Depth of " + frame.name);
+  pictures::draw_mesh(output / "pictures" / (frame.name + "_mesh.png"), mesh,
+                      "Mesh of " + frame.name, pictures::MeshPart::object);
+
+  const geometry::ImageF truth = geometry::read_depth_tiff(frame.truth.string() + ".tiff");
+  const geometry::PixelMask lit = read_mask(frame.truth.string() + "_lit.png", truth);
+  Json figures = {{"frame", frame.name}};
+  figures.update(score_figures(geometry::score_range_map(range.z, truth, lit)));
+  figures["triangles"] = mesh.triangles.cols();
+  figures["verdict"] = sensing::to_string(sensing::judge(decoded.evidence).verdict);
+  figures["ms"] = elapsed.count();
+  return figures;
+}
+
+/// Meshes a depth image of another camera, whose truth is unknown.
+void mesh_depth_camera(const fs::path& data, const fs::path& output) {
+  const geometry::Camera camera{
+      .width = 640, .height = 480, .fx = 476.007, .fy = 476.007, .cx = 313.683, .cy = 242.755};
+  constexpr double kMillimetresPerUnit = 0.125;
+  const geometry::TriangleMesh hand =
+      geometry::mesh_range_map(
+          sensing::read_depth_image(data / "depth_camera/hand.png", kMillimetresPerUnit, camera))
+          .mesh;
+  geometry::write_mesh(output / "meshes/hand.ply", hand);
+  pictures::draw_mesh(output / "pictures/hand_mesh.png", hand,
+                      "A hand in front of a torso, from a real depth camera",
+                      pictures::MeshPart::object);
+}
+
+}  // namespace
+
+Json demo_seeing(const fs::path& data, const fs::path& output) {
+  const sensing::TrainedColors colors = sensing::train_colors_from_folder(data / "training");
+  sensing::write_trained_colors(output / "colors.yaml", colors);
+  const sensing::Pattern pattern = sensing::read_pattern(data / "pattern.yaml");
+  std::vector<DemoFrame> frames;
+  for (const std::string name : {"plane", "duck", "flag_a", "flag_b"}) {
+    frames.push_back(
+        {name, data / "frames" / (name + ".png"), data / "rig.yaml", data / "truth" / name});
+  }
+  frames.push_back({"duck_verging", data / "verging/frame.png", data / "verging/rig.yaml",
+                    data / "verging/truth"});
+
+  Json figures = Json::array();
+  Progress progress("seeing");
+  for (const DemoFrame& frame : frames) {
+    figures.push_back(see(frame, pattern, colors, output));
+    progress.show(static_cast<int>(figures.size()), static_cast<int>(frames.size()));
+  }
+  mesh_depth_camera(data, output);
+  return figures;
+}
+
+}  // namespace palpate::apps

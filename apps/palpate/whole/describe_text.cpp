@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "whole/describe_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/response.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+#include "palpate/sensing/virtual_sensor.h"
+#include "seeing/capture_files.h"
+#include "seeing/decode_record.h"
+#include "shared/run_record.h"
+#include "shared/words.h"
+#include "whole/describe_project.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+Description describe_camera(const fs::path& path) {
+  const geometry::Camera camera = sensing::read_camera(path);
+  return {{{"kind", "camera"}, {"camera_size", {camera.width, camera.height}}},
+          fmt::format("camera, {} x {} px, focal lengths {:.1f} and {:.1f} px", camera.width,
+                      camera.height, camera.fx, camera.fy)};
+}
+
+Description describe_rig(const fs::path& path) {
+  const sensing::Rig rig = sensing::read_rig(path);
+  const double baseline = rig.T_projector_camera.translation().norm();
+  return {
+      {{"kind", "rig"},
+       {"camera_size", {rig.camera.width, rig.camera.height}},
+       {"projector_size", {rig.projector.width, rig.projector.height}},
+       {"baseline", baseline}},
+      fmt::format("rig, camera {} x {} px, projector {} x {} px, {:.1f} mm apart", rig.camera.width,
+                  rig.camera.height, rig.projector.width, rig.projector.height, baseline)};
+}
+
+Description describe_pattern(const fs::path& path) {
+  const sensing::Pattern pattern = sensing::read_pattern(path);
+  const char* const axis = pattern.axis == sensing::Axis::x ? "x" : "y";
+  if (pattern.multishot) {
+    const std::size_t shifts = pattern.multishot->shifts.size();
+    const int bits = pattern.multishot->code_bits;
+    return {
+        {{"kind", "pattern"},
+         {"shifts", shifts},
+         {"code_bits", bits},
+         {"period_px", pattern.period}},
+        fmt::format("pattern for a scene that holds still, {} images: {} shifted sinusoids of "
+                    "{} px along {}, then {} of a Gray code",
+                    shifts + static_cast<std::size_t>(bits), shifts, pattern.period, axis, bits)};
+  }
+  return {{{"kind", "pattern"},
+           {"colors", pattern.colors.size()},
+           {"stripes", pattern.stripes.size()},
+           {"period_px", pattern.period}},
+          fmt::format("pattern, {} stripes of {} colours, a sinusoid of {} px along {}",
+                      pattern.stripes.size(), pattern.colors.size(), pattern.period, axis)};
+}
+
+Description describe_colors(const fs::path& path) {
+  const sensing::TrainedColors trained = sensing::read_trained_colors(path);
+  return {{{"kind", "trained colors"}, {"colors", trained.colors.size()}},
+          fmt::format("trained colours, {} of them", trained.colors.size())};
+}
+
+Description describe_sensor(const fs::path& path) {
+  const sensing::VirtualSensor sensor = sensing::read_virtual_sensor(path);
+  return {{{"kind", "virtual sensor"},
+           {"bits", sensor.bits},
+           {"full_well", sensor.full_well},
+           {"read_noise", sensor.read_noise},
+           {"camera_blur_px", sensor.camera_blur}},
+          fmt::format("virtual sensor, {} bit, {} electrons at full scale, read noise {}, blur of "
+                      "{} px",
+                      sensor.bits, sensor.full_well, sensor.read_noise, sensor.camera_blur)};
+}
+
+Description describe_response(const fs::path& path) {
+  const sensing::Response response = sensing::read_response(path);
+  std::vector<double> gammas;
+  std::string prose;
+  for (const sensing::ResponseCurve& curve : response.channels) {
+    gammas.push_back(curve.gamma);
+    prose += fmt::format("{} {:.3f}", prose.empty() ? "" : ",", curve.gamma);
+  }
+  return {{{"kind", "response"}, {"channels", response.channels.size()}, {"gamma", gammas}},
+          fmt::format("response of projector and camera, {}, exponents{}",
+                      counted(response.channels.size(), "channel"), prose)};
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path.string() + ": cannot be opened.");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Description describe_recording(const fs::path& path) {
+  const RunRecord record =
+      read_run_record(path, "Give the capture.jsonl that palpate capture has written");
+  std::uint64_t taken = 0;
+  double seconds = 0;
+  std::string camera;
+  try {
+    camera = record.head.at("camera").at("name");
+    for (const nlohmann::ordered_json& frame : record.items) {
+      taken = std::max(taken, frame.at("number").get<std::uint64_t>() + 1);
+      seconds = std::max(seconds, frame.at("time_s").get<double>());
+    }
+  } catch (const nlohmann::json::exception& error) {
+    throw FileError(fmt::format("{}: this is not a record of palpate capture ({}).", path.string(),
+                                error.what()));
+  }
+  const std::size_t frames = record.items.size();
+  const std::uint64_t lost = taken > frames ? taken - frames : 0;
+  return {{{"kind", "recording"}, {"frames", frames}, {"frames_lost", lost}, {"seconds", seconds}},
+          fmt::format("recording of {} frames in {:.3f} s by {}; {} were lost", frames, seconds,
+                      camera, lost == 0 ? "none" : std::to_string(lost))};
+}
+
+}  // namespace
+
+Description describe_record(const fs::path& path) {
+  if (path.filename() == kCaptureRecord) return describe_recording(path);
+  const std::size_t frames = count_finished_frames(path);
+  return {{{"kind", "record of decode"}, {"frames", frames}},
+          fmt::format("frames that palpate decode has finished in this folder: {}", frames)};
+}
+
+Description describe_yaml(const fs::path& path) {
+  const std::string text = text_of(path);
+  if (text.find("projector_matrix") != std::string::npos) return describe_rig(path);
+  if (text.find("camera_matrix") != std::string::npos) return describe_camera(path);
+  if (text.find("period_px") != std::string::npos) return describe_pattern(path);
+  if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
+  if (text.find("variance") != std::string::npos) return describe_colors(path);
+  if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
+  if (is_project(text)) return describe_project(path);
+  throw FileError(path.string() +
+                  ": neither a rig (projector_matrix), nor a camera (camera_matrix), nor a pattern "
+                  "(period_px), nor trained colours "
+                  "(variance), nor a response (gamma_deviation), nor a virtual sensor "
+                  "(read_noise), nor a project "
+                  "(sections such as decode, fit).");
+}
+
+Description describe_csv(const fs::path& path) {
+  const std::string text = text_of(path);
+  const std::string header = text.substr(0, text.find_first_of("\r\n"));
+  if (text.empty()) throw FileError(path.string() + ": is empty.");
+  const auto lines =
+      std::count(text.begin(), text.end(), '\n') + (text.empty() || text.back() == '\n' ? 0 : 1);
+  const std::pair<const char*, const char*> kinds[] = {{"id,x,y,z,nx,ny,nz", "contacts"},
+                                                       {"id,contact,group_id", "samples"},
+                                                       {"cx,cy,cz,dx,dy,dz,fx,fy,fz", "queries"},
+                                                       {"t,x,y,z,cx,cy,cz,fx,fy,fz,state", "trace"},
+                                                       {"t,x,y,z", "trajectory"}};
+  for (const auto& [start, kind] : kinds) {
+    if (header.starts_with(start)) {
+      return {{{"kind", kind}, {"rows", lines - 1}},
+              fmt::format("{}, {} rows: {}", kind, lines - 1, header)};
+    }
+  }
+  return {{{"kind", "table"}, {"rows", lines - 1}},
+          fmt::format("a table unknown to Palpate, {} rows: {}", lines - 1, header)};
+}
+
+}  // namespace palpate::apps
