@@ -53,7 +53,7 @@ set(PALPATE_MODULE_ENDING -${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}${CM
 function(palpate_add_loaded_module name)
   cmake_parse_arguments(ARG "" "COMPONENT" "SOURCES;LIBRARIES" ${ARGN})
   add_library(palpate_${name}_module MODULE ${ARG_SOURCES})
-  target_link_libraries(palpate_${name}_module PRIVATE ${ARG_LIBRARIES} palpate_warnings)
+  target_link_libraries(palpate_${name}_module PRIVATE palpate::core ${ARG_LIBRARIES} palpate_warnings)
   set_target_properties(palpate_${name}_module PROPERTIES
     OUTPUT_NAME palpate_${name} SUFFIX ${PALPATE_MODULE_ENDING} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/core)
   install(TARGETS palpate_${name}_module LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${ARG_COMPONENT})

@@ -4,7 +4,7 @@
 // Distances along a surface, and the part of it that is nearest to each of some places. Needs a
 // mesh: distance_and_voronoi hand.ply. Prints how far the furthest vertex is from its place, and
 // how many vertices each place has.
-#include <palpate/error.h>
+#include <palpate/core/error.h>
 #include <palpate/geometry/geodesic_distance.h>
 #include <palpate/geometry/mesh_io.h>
 

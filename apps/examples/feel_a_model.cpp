@@ -5,7 +5,7 @@
 // the surface: feel_a_model contacts.csv samples.csv surface.ply. The device is a stand-in that
 // presses 12 mm into the middle of the surface, within half a second. Writes the folder model, and
 // prints the force at the end.
-#include <palpate/error.h>
+#include <palpate/core/error.h>
 #include <palpate/geometry/mesh_io.h>
 #include <palpate/haptics/build_model.h>
 #include <palpate/haptics/model_io.h>

@@ -4,7 +4,7 @@
 // A model is felt for two seconds with a device whose driver runs in a process of its own, so that
 // its crash would not be that of this program: feel_by_a_driver MODEL DRIVER HOST. DRIVER is a
 // shared library (docs/devices.md), HOST the program palpate-device-host.
-#include <palpate/error.h>
+#include <palpate/core/error.h>
 #include <palpate/haptics/device_run.h>
 #include <palpate/haptics/model_io.h>
 #include <palpate/probing/remote_arm.h>

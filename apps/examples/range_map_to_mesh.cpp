@@ -4,7 +4,7 @@
 // A range map becomes a mesh. Needs nothing: the map is that of a ball before a wall, one pixel of
 // it unknown. Prints how many triangles there are, that ball and wall are two surfaces, and writes
 // ball.ply to look at.
-#include <palpate/error.h>
+#include <palpate/core/error.h>
 #include <palpate/geometry/mesh_io.h>
 #include <palpate/geometry/mesh_topology.h>
 #include <palpate/geometry/range_map_mesh.h>

@@ -4,7 +4,7 @@
 // A scan is moved onto a mesh, and the result judged. Needs a mesh: register_a_scan hand.ply. The
 // scan is every fifth vertex of it, turned by 20 degrees and shifted. Prints the verdict and how
 // far the points come to lie from where they belong.
-#include <palpate/error.h>
+#include <palpate/core/error.h>
 #include <palpate/geometry/mesh_io.h>
 #include <palpate/geometry/registration.h>
 

@@ -12,6 +12,7 @@
 #include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/program.h"
 #include "shared/wrong_call.h"
 #include "whole/all_commands.h"
@@ -30,6 +31,7 @@ int run(int argc, char** argv) {
   std::optional<int> threads;
   int verbosity = 0;
   show_shared_options(app);
+  app.set_help_all_flag("--help-all", "Print this help with the options that few users set");
   app.add_flag("--json", settings.json, "Print the results as one JSON object instead of text")
       ->group(kSharedOptions);
   app.add_option("--threads", threads, "Number of threads (default: all cores)")
@@ -61,6 +63,10 @@ int run(int argc, char** argv) {
     if (e.get_exit_code() == 0) return app.exit(e);  // help or version
     spdlog::error("{}", describe_wrong_call(app, e));
     return kProgramWrongCall;
+  } catch (const FileError&) {
+    throw;
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(with_option_names(error, app));
   }
   std::cout.flush();
   if (!std::cout)

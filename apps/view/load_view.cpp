@@ -45,7 +45,8 @@ FeltSession read_session(const ViewCall& call, const haptics::Model& model,
     throw InvalidInput(fmt::format("{}: is not the session of {} alone; it was recorded with {}",
                                    call.replay.string(), call.path.string(), session.words));
   }
-  if (session.friction) playback = apps::made_playback(call.path, model, session.friction);
+  if (session.playback != call.playback)
+    playback = apps::made_playback(call.path, model, session.playback);
   return felt_again(playback, record);
 }
 
@@ -55,7 +56,7 @@ std::function<std::unique_ptr<View>()> load_model(const ViewCall& call) {
                    .playback = {},
                    .still = call.is_still(),
                    .record = call.session};
-  scene.playback = apps::made_playback(call.path, scene.model, call.friction);
+  scene.playback = apps::made_playback(call.path, scene.model, call.playback);
   if (!call.trajectory.empty()) {
     haptics::TimedPath path(haptics::read_trajectory_file(call.trajectory));
     scene.played = felt_along(scene.playback, std::move(path));
@@ -69,7 +70,7 @@ std::function<std::unique_ptr<View>()> load_model(const ViewCall& call) {
         session.replay.different == 0 ? std::string("the same to the bit")
                                       : fmt::format("{} ticks differ", session.replay.different));
   }
-  if (!call.session.empty()) scene.session = apps::session_text({call.path}, call.friction);
+  if (!call.session.empty()) scene.session = apps::session_text({call.path}, call.playback);
   return later(std::move(scene), make_model_view);
 }
 

@@ -7,10 +7,11 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/play_friction.h"
+#include "shared/field_options.h"
 #include "window.h"
 
 namespace palpate::view {
@@ -23,8 +24,11 @@ constexpr int kMostSide = 8192;                                                 
 const std::map<std::string, std::pair<PathKind, const char*>>& options_of_kinds() {
   static const std::map<std::string, std::pair<PathKind, const char*>> options = [] {
     std::map<std::string, std::pair<PathKind, const char*>> all;
-    for (const char* name : {"--trajectory", "--session", "--replay", "--friction"})
+    for (const char* name : {"--trajectory", "--session", "--replay"})
       all[name] = {PathKind::model, "a model"};
+    haptics::PlaybackOptions playback;
+    for (const FieldText& field : texts_of(fields_of(playback)))
+      all[apps::option_name(field.name)] = {PathKind::model, "a model"};
     for (const char* name : {"--compare", "--rig", "--scale", "--intrinsics", "--show", "--as"})
       all[name] = {PathKind::range_maps, "range maps"};
     for (const char* name : {"--surface", "--model"})
@@ -63,8 +67,8 @@ void add_options(CLI::App& app, ViewCall& call) {
   app.add_option("--session", call.session, "Record what the mouse does, for --replay")
       ->group(model);
   app.add_option("--replay", call.replay, "Play a session that was recorded")->group(model);
-  apps::add_friction_option(app, call.friction);
-  app.get_option("--friction")->group(model);
+  for (CLI::Option* option : apps::add_fields(app, fields_of(call.playback)))
+    if (option->get_group() != apps::kExpertOptions) option->group(model);
 
   const char* maps = "Range maps";
   app.add_option("--compare", call.compare,

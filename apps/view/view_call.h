@@ -10,6 +10,7 @@
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/haptics/playback.h"
 #include "path_kind.h"
 #include "shared/inputs.h"
 #include "view.h"
@@ -24,7 +25,7 @@ struct ViewCall {
   std::filesystem::path path;
   // Of a model.
   std::filesystem::path trajectory, session, replay;
-  std::optional<double> friction;
+  haptics::PlaybackOptions playback;
   // Of range maps.
   std::filesystem::path compare;
   apps::MapCamera camera;

@@ -91,15 +91,9 @@ PALPATE_API palpate_status palpate_model_force(const palpate_model* model, const
 /* A tool that touches a model. Many may touch one model; each is used by one thread at a time. */
 typedef struct palpate_player palpate_player;
 
-typedef struct palpate_player_options {
-  uint32_t struct_size;
-  uint32_t reserved;       /* 0 */
-  double unknown_friction; /* coefficient of contacts whose friction is not known; >= 0 */
-} palpate_player_options;
-
-/* `options` may be null: 0 for all. */
-PALPATE_API palpate_status palpate_player_create(const palpate_model* model,
-                                                 const palpate_player_options* options,
+/* `options`: words NAME=VALUE of docs/options.md, PlaybackOptions, with blanks between them, such
+ * as "unknown_friction=0.3 tolerance=1e-4"; what is not named keeps its default. Null: nothing. */
+PALPATE_API palpate_status palpate_player_create(const palpate_model* model, const char* options,
                                                  palpate_player** player);
 /* Null is allowed. */
 PALPATE_API void palpate_player_destroy(palpate_player* player);

@@ -6,8 +6,8 @@
 
 #include "c_calls.h"
 #include "palpate/core/error.h"
-#include "palpate/haptics/device_run.h"
 #include "palpate/core/require.h"
+#include "palpate/haptics/device_run.h"
 
 namespace palpate::c {
 

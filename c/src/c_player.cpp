@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "c_calls.h"
+#include "palpate/core/field_text.h"
 #include "palpate/haptics/deformed_shape.h"
 #include "palpate/haptics/playback.h"
 
@@ -31,16 +32,14 @@ static_assert(static_cast<int>(palpate::haptics::ShapeRule::nearest) == PALPATE_
 static_assert(static_cast<int>(ContactState::stick) == PALPATE_STICK);
 static_assert(static_cast<int>(ContactState::slip) == PALPATE_SLIP);
 
-palpate_status palpate_player_create(const palpate_model* model,
-                                     const palpate_player_options* options,
+palpate_status palpate_player_create(const palpate_model* model, const char* options,
                                      palpate_player** player) {
   if (model == nullptr || player == nullptr) {
     return fail(PALPATE_INVALID, "palpate_player_create: model or player is null");
   }
   return guarded([&] {
     palpate::haptics::PlaybackOptions playback;
-    if (options != nullptr)
-      playback.unknown_friction = palpate::c::taken(*options).unknown_friction;
+    if (options != nullptr) palpate::assign_words(palpate::fields_of(playback), options);
     const std::shared_ptr<const palpate::haptics::Model>& shared = behind(model)->model;
     *player = reinterpret_cast<palpate_player*>(new palpate::c::Player{
         shared, behind(model)->field, palpate::haptics::Playback(*shared, playback), {}});

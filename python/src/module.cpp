@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bindings.h"
+#include "fields.h"
 #include "palpate/core/error.h"
 
 namespace palpate::python {
@@ -81,5 +82,8 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_fitting(module);
   python::add_simulation(module);
   python::add_playback(module);
+  module.def(
+      "_option_lists", &python::option_lists,
+      "All options: for each struct its name, and for each field what docs/options.md says.");
   pybind11::delattr(module, "__module__");
 }

@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/deformed_shape.h"
@@ -143,25 +144,6 @@ std::vector<TrajectoryPoint> trajectory(const py::object& tools, const py::objec
   return points;
 }
 
-Playback new_playback(const Model& model, const std::string& motion, double tolerance,
-                      double energy_credit, double unknown_friction, double largest_jump,
-                      double start_depth, double longest_step, int hold_ticks) {
-  const PlaybackOptions options{
-      .motion = choose<ContactMotion>("motion", motion,
-                                      {{"bracketed", ContactMotion::bracketed},
-                                       {"brent", ContactMotion::brent},
-                                       {"friction_boundary", ContactMotion::friction_boundary}}),
-      .tolerance = tolerance,
-      .energy_credit = energy_credit,
-      .unknown_friction = unknown_friction,
-      .largest_jump = largest_jump,
-      .start_depth = start_depth,
-      .longest_step = longest_step,
-      .hold_ticks = hold_ticks};
-  const Unlocked unlocked;
-  return Playback(model, options);
-}
-
 void check_pairs(const Points& places, const Points& displacements) {
   if (places.columns().cols() == displacements.columns().cols()) return;
   throw InvalidInput("displacements: has " + std::to_string(displacements.columns().cols()) +
@@ -265,25 +247,22 @@ Raises InvalidInput.)");
 }
 
 void add_loop(py::module_& module) {
-  const PlaybackOptions usual;
-  py::class_<Playback>(module, "Playback", "The haptic loop of a model, at 1 kHz.")
-      .def(py::init(&new_playback), arg("model"), kw_only(), arg("motion") = "bracketed",
-           arg("tolerance") = usual.tolerance, arg("energy_credit") = usual.energy_credit,
-           arg("unknown_friction") = usual.unknown_friction,
-           arg("largest_jump") = usual.largest_jump, arg("start_depth") = usual.start_depth,
-           arg("longest_step") = usual.longest_step, arg("hold_ticks") = usual.hold_ticks,
-           R"(Prepares all that a tick needs; the model may be changed or forgotten afterwards.
-
-motion: how a slipping contact moves: 'bracketed', 'brent' or 'friction_boundary'.
-tolerance: [N] a contact holds while |f_T| - mu f_N is at most this.
-energy_credit: [N mm] work that the object does at most on the user from touch to release; a later touch has what is left
-  of it, at least a tenth.
-unknown_friction: coefficient of contacts whose friction is unknown.
-largest_jump: [N] by which the force changes in a tick, besides what the stiffness gives.
-start_depth: [mm] a tool that is this far inside at the start touches the nearest point.
-longest_step: [mm] a longer movement in one tick is taken for a fault.
-hold_ticks: number of faulty ticks for which the contact is kept while the force decays.
-Raises InvalidInput.)")
+  PlaybackOptions usual;
+  py::class_<Playback> added(module, "Playback", "The haptic loop of a model, at 1 kHz.");
+  def_described(
+      added,
+      described("__init__(self: Playback, model: Model", "None",
+                "Prepares all that a tick needs; the model may be changed or forgotten afterwards. "
+                "Raises InvalidInput.",
+                fields_of(usual)),
+      py::init([](const Model& model, const py::kwargs& keywords) {
+        PlaybackOptions options;
+        set_fields(fields_of(options), keywords);
+        const Unlocked unlocked;
+        return Playback(model, options);
+      }),
+      arg("model"));
+  added
       .def(
           "step",
           [](const Playback& playback, const py::object& tool, LoopState& state, double seconds) {

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -9,6 +8,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/decode_verdict.h"
@@ -200,28 +200,24 @@ void add_decoder(py::module_& module) {
           "reason",
           [](const DecodeResult& result) { return sensing::judge(result.evidence).reason; },
           "The verdict in a sentence, with figures and what to try.");
-  py::class_<Decoder>(module, "Decoder", R"(Decodes single frames into range maps.
+  py::class_<Decoder> added(module, "Decoder", R"(Decodes single frames into range maps.
 
-Threads may decode with the same decoder at the same time.)")
-      .def(py::init([](const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
-                       double window_periods, bool half_resolution,
-                       const std::vector<std::array<double, 3>>& anchors) {
-             sensing::DecodeOptions options{.window_periods = window_periods,
-                                            .half_resolution = half_resolution};
-             for (const auto& [u, v, z] : anchors) options.anchors.push_back({u, v, z});
-             const Unlocked unlocked;
-             return Decoder(rig, pattern, colors, options);
-           }),
-           arg("rig"), arg("pattern"), arg("colors"), kw_only(),
-           arg("window_periods") = sensing::DecodeOptions{}.window_periods,
-           arg("half_resolution") = false, arg("anchors") = std::vector<std::array<double, 3>>(),
-           R"(Prepares everything that does not depend on the frame.
-
-window_periods: length of the demodulation window in periods of the sinusoid, in [1.25, 8].
-half_resolution: decode at half the size, several times faster.
-anchors: (column, row, depth [mm]) of known pixels, for a pattern without stripes only: only their
-regions get depths.
-Raises InvalidInput.)")
+Threads may decode with the same decoder at the same time.)");
+  sensing::DecodeOptions usual;
+  def_described(
+      added,
+      described("__init__(self: Decoder, rig: Rig, pattern: Pattern, colors: TrainedColors", "None",
+                "Prepares everything that does not depend on the frame. Raises InvalidInput.",
+                fields_of(usual)),
+      py::init([](const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+                  const py::kwargs& keywords) {
+        sensing::DecodeOptions options;
+        set_fields(fields_of(options), keywords);
+        const Unlocked unlocked;
+        return Decoder(rig, pattern, colors, options);
+      }),
+      arg("rig"), arg("pattern"), arg("colors"));
+  added
       .def_property_readonly(
           "rig", [](const Decoder& decoder) { return decoder.rig(); },
           "The rig of the range maps (a copy): its camera has their size.")

@@ -8,6 +8,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "long_work.h"
+#include "palpate/core/require.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_setup.h"
@@ -17,7 +18,6 @@
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/specimen_trials.h"
 #include "palpate/probing/virtual_arm.h"
-#include "palpate/core/require.h"
 
 namespace palpate::python {
 namespace {

@@ -267,8 +267,8 @@ TEST_F(BadInput, AWindowShorterThanItCanBe) {
   train();
   std::vector<std::string> call = decode_call(demo("frames/duck.png"), demo("rig.yaml"),
                                               demo("pattern.yaml"), scratch / "colors.yaml");
-  call.insert(call.end(), {"--window", "1"});
-  expect_refused(call, "--window: is 1; it must be in [1.25, 8]");
+  call.insert(call.end(), {"--window-periods", "1"});
+  expect_refused(call, "--window-periods: is 1; it must be in [1.25, 8]");
 }
 
 TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {

@@ -198,8 +198,8 @@ TEST_F(DecodeSequence, ResumingWithOtherSettingsOrFramesIsRefused) {
     return result.err;
   };
   EXPECT_NE(refusal({"--bayer", "rggb"}).find("another --bayer"), std::string::npos);
-  EXPECT_NE(refusal({"--half"}).find("another --half"), std::string::npos);
-  EXPECT_NE(refusal({"--window", "3"}).find("another --window"), std::string::npos);
+  EXPECT_NE(refusal({"--half-resolution"}).find("another --half-resolution"), std::string::npos);
+  EXPECT_NE(refusal({"--window-periods", "3"}).find("another --window-periods"), std::string::npos);
   fs::rename(scratch / "frames/0.png", scratch / "frames/9.png");
   EXPECT_NE(refusal({}).find("file 0 of the frames was 0.png and is now 1.png"), std::string::npos);
   write_text(scratch / "range/decode.jsonl", "{}\n");
@@ -207,15 +207,15 @@ TEST_F(DecodeSequence, ResumingWithOtherSettingsOrFramesIsRefused) {
 }
 
 TEST_F(DecodeSequence, TheRigBesideHalfRangeMapsIsTheirs) {
-  EXPECT_EQ(figures(scratch / "frames/0.png", {"--half"})["decoded"], 1);
+  EXPECT_EQ(figures(scratch / "frames/0.png", {"--half-resolution"})["decoded"], 1);
   const std::string rig = scratch / "range/rig.yaml";
   EXPECT_NE(read_text(rig).find("camera_size: [ 320, 240 ]"), std::string::npos) << read_text(rig);
   const CommandResult mesh = run_palpate({"mesh", map(0), "-o", scratch / "flag.ply"});
   EXPECT_EQ(mesh.status, kDone) << mesh.err;
   // It would have to give way to a smaller one.
-  const CommandResult again =
-      run_palpate({"decode", scratch / "frames", "--rig", rig, "--pattern", demo("pattern.yaml"),
-                   "--colors", scratch / "colors.yaml", "-o", scratch / "range", "--half"});
+  const CommandResult again = run_palpate(
+      {"decode", scratch / "frames", "--rig", rig, "--pattern", demo("pattern.yaml"), "--colors",
+       scratch / "colors.yaml", "-o", scratch / "range", "--half-resolution"});
   EXPECT_EQ(again.status, kWrongCall);
   EXPECT_NE(again.err.find("another folder"), std::string::npos) << again.err;
 }
@@ -285,7 +285,7 @@ TEST_F(DecodeSequence, AnEarlierRunStaysAsAWholeUntilAnotherOneIsComplete) {
   figures(scratch / "frames", {"--reasons"});
   const auto before = results();
   for (int i = 10; i < 22; ++i) add_frame(std::to_string(i) + ".png");
-  const std::vector<std::string> other = {"--window", "3"};
+  const std::vector<std::string> other = {"--window-periods", "3"};
   const CommandResult stopped = interrupt(other, scratch / "range/.palpate-unfinished/000002.tiff");
   EXPECT_EQ(stopped.status, 130);
   expect_only_told_of_the_interrupt(stopped.err);
@@ -296,7 +296,7 @@ TEST_F(DecodeSequence, AnEarlierRunStaysAsAWholeUntilAnotherOneIsComplete) {
             std::string::npos)
       << stopped.err;
   EXPECT_EQ(results(), before);
-  const nlohmann::json rest = figures(scratch / "frames", {"--resume", "--window", "3"});
+  const nlohmann::json rest = figures(scratch / "frames", {"--resume", "--window-periods", "3"});
   EXPECT_EQ(rest["decoded"], 15);
   EXPECT_GE(rest["kept"], 1);
   EXPECT_LT(rest["kept"], 15);
@@ -311,7 +311,7 @@ TEST_F(DecodeSequence, AFullDiskLeavesTheEarlierRunAsItWas) {
   const auto before = results();
   const CommandResult full = run_palpate(
       {"decode", scratch / "frames", "--rig", demo("rig.yaml"), "--pattern", demo("pattern.yaml"),
-       "--colors", scratch / "colors.yaml", "-o", scratch / "range", "--window", "3"},
+       "--colors", scratch / "colors.yaml", "-o", scratch / "range", "--window-periods", "3"},
       {.max_file_size = 10000});
   EXPECT_EQ(full.status, kWorkFailed);
   EXPECT_NE(full.err.find(".tiff: cannot be written: File too large. What was there before is "
@@ -319,7 +319,7 @@ TEST_F(DecodeSequence, AFullDiskLeavesTheEarlierRunAsItWas) {
             std::string::npos)
       << full.err;
   EXPECT_EQ(results(), before);
-  figures(scratch / "frames", {"--window", "3"});
+  figures(scratch / "frames", {"--window-periods", "3"});
   EXPECT_EQ(hidden(), 0);
 }
 
@@ -342,7 +342,7 @@ TEST_F(DecodeSequence, ASecondRunIntoTheFolderIsRefused) {
 
 // The new results of two frames are complete, but still lie beside those of three.
 TEST_F(DecodeSequence, ResultsThatAKilledRunDidNotPutInTheirPlaceAreNotReadButPutThere) {
-  figures(scratch / "frames", {"--window", "3"});
+  figures(scratch / "frames", {"--window-periods", "3"});
   const auto before = results();
   fs::remove(scratch / "frames/2.png");
   fs::rename(scratch / "range", scratch / "earlier");

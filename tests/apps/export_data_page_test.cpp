@@ -184,10 +184,10 @@ TEST_F(ExportDataPage, RefusesOptionsOfOtherPages) {
   const std::string mesh = scratch / "m.ply";
   geometry::write_mesh(
       mesh, {.vertices = Eigen::Matrix3d::Identity(), .triangles = Eigen::Vector3i(0, 1, 2)});
-  expect_refused(folder(), "--friction: is for models", {"--friction", "0.4"});
+  expect_refused(folder(), "--unknown-friction: is for models", {"--unknown-friction", "0.4"});
   expect_refused(folder(), "--unit: is for meshes", {"--unit", "m"});
   expect_refused(folder(), "--scale works for depth images", {"--scale", "1"});
-  expect_refused(mesh, "--friction: is for models", {"--friction", "0.4"});
+  expect_refused(mesh, "--unknown-friction: is for models", {"--unknown-friction", "0.4"});
   expect_refused(mesh, "--rig: is for range maps", {"--rig", folder() / "rig.yaml"});
   const CommandResult ply = run_palpate({"export", mesh, "--ply", "--every", "2"});
   EXPECT_EQ(ply.status, kWrongCall);

@@ -53,11 +53,11 @@ TEST_F(ExportPage, PlaysUnknownFrictionAsTheLoopDoes) {
   EXPECT_EQ(without.status, kDone);
   EXPECT_NE(without.err.find("friction of 4 contacts is unknown"), std::string::npos);
   const std::string slippery = page();
-  EXPECT_EQ(export_model(model, {"--friction", "0.4"}).status, kDone);
+  EXPECT_EQ(export_model(model, {"--unknown-friction", "0.4"}).status, kDone);
   EXPECT_NE(page(), slippery);
-  const CommandResult known = export_model(haptics::sheet_model(), {"--friction", "0.4"});
+  const CommandResult known = export_model(haptics::sheet_model(), {"--unknown-friction", "0.4"});
   EXPECT_EQ(known.status, kWrongCall);
-  EXPECT_NE(known.err.find("--friction: is for contacts whose friction is unknown"),
+  EXPECT_NE(known.err.find("--unknown-friction: is for contacts whose friction is unknown"),
             std::string::npos);
 }
 
@@ -72,7 +72,7 @@ TEST_F(ExportPage, IsNotWrittenForAModelThatCannotBePlayed) {
 
 TEST_F(ExportPage, AloneHasATitleAndAFriction) {
   haptics::write_model(scratch / "m", haptics::sheet_model());
-  for (const std::string option : {"--title", "--friction"}) {
+  for (const std::string option : {"--title", "--unknown-friction"}) {
     const CommandResult result =
         run_palpate({"export", scratch / "m", "--ply", "-o", scratch / "m.ply", option, "0.5"});
     EXPECT_EQ(result.status, kWrongCall);

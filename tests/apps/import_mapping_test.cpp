@@ -204,7 +204,7 @@ TEST_F(ImportMapping, OfPlacesPositionsAndForcesAloneMakesAModelOfUnknownFrictio
                                HasSubstr("slides without friction")));
   EXPECT_THAT(alone.out, HasSubstr("1 stick, 1 slip"));
   std::vector<std::string> rough = play;
-  rough.insert(rough.end(), {"--friction", "2"});
+  rough.insert(rough.end(), {"--unknown-friction", "2"});
   const CommandResult with = run_palpate(rough);
   EXPECT_THAT(with.err, HasSubstr("coefficient of 2"));
   EXPECT_THAT(with.out, HasSubstr("2 stick, 0 slip"));

@@ -193,7 +193,7 @@ TEST(SurfaceColorCommands, WriteWhatFramesShowWithoutTheStripes) {
   const CommandResult done =
       run_palpate({"decode", demo("frames/flag_a.png"), "--rig", demo("rig.yaml"), "--pattern",
                    demo("pattern.yaml"), "--colors", scratch / "colors.yaml", "--surface-color",
-                   "--half", "--meshes", "ply", "-o", scratch / "range"});
+                   "--half-resolution", "--meshes", "ply", "-o", scratch / "range"});
   ASSERT_EQ(done.status, kDone) << done.err;
   const cv::Mat color = sensing::read_frame(scratch / "range/000000_color.png");
   EXPECT_EQ(color.cols, 320);

@@ -100,7 +100,7 @@ class Decode(Command):
 
     def call(self, version):
         return ["decode", self.work / "frames", "--rig", DEMO / "rig.yaml", "--pattern", DEMO / "pattern.yaml",
-                "--colors", self.work / "colors.yaml", "--sigma", "--window", 2 + version, "-o", self.out / "range"]
+                "--colors", self.work / "colors.yaml", "--sigma", "--window-periods", 2 + version, "-o", self.out / "range"]
 
 
 class Mesh(Command):

@@ -86,11 +86,9 @@ TEST(CPlayer, TakesAFrictionForContactsWithoutOne) {
   const OwnedModel handle = opened(model);
   double across[2] = {0, 0};
   for (const int rough : {0, 1}) {
-    palpate_player_options options{};
-    options.struct_size = sizeof(options);
-    options.unknown_friction = rough;
+    const char* options = rough == 1 ? "unknown_friction=1 tolerance=1e-3" : nullptr;
     palpate_player* created = nullptr;
-    ASSERT_EQ(palpate_player_create(handle.get(), &options, &created), PALPATE_OK);
+    ASSERT_EQ(palpate_player_create(handle.get(), options, &created), PALPATE_OK);
     const OwnedPlayer player(created);
     palpate_tick tick = sized_tick();
     for (int i = 0; i < 500; ++i) {
@@ -100,12 +98,12 @@ TEST(CPlayer, TakesAFrictionForContactsWithoutOne) {
   }
   EXPECT_LT(across[0], 1e-3);
   EXPECT_GT(across[1], 0.05);
-  palpate_player_options wrong{};
-  wrong.struct_size = sizeof(wrong);
-  wrong.unknown_friction = -1;
   palpate_player* none = nullptr;
-  EXPECT_EQ(palpate_player_create(handle.get(), &wrong, &none), PALPATE_INVALID);
+  EXPECT_EQ(palpate_player_create(handle.get(), "unknown_friction=-1", &none), PALPATE_INVALID);
   EXPECT_NE(std::string(palpate_error_text()).find("friction"), std::string::npos);
+  EXPECT_EQ(palpate_player_create(handle.get(), "frction=1", &none), PALPATE_INVALID);
+  EXPECT_NE(std::string(palpate_error_text()).find("unknown_friction, tolerance"),
+            std::string::npos);
 }
 
 TEST(CPlayer, DrawsADentUnderTheTool) {

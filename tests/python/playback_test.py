@@ -103,7 +103,7 @@ class Playing(unittest.TestCase):
                 self.playback.play(tools, times)
         with self.assertRaisesRegex(palpate.InvalidInput, "^start_depth is -1"):
             palpate.Playback(palpate.read_model(PAGE / "model"), start_depth=-1)
-        with self.assertRaisesRegex(palpate.InvalidInput, "motion: is 'fast'"):
+        with self.assertRaisesRegex(palpate.InvalidInput, "motion is 'fast'; it must be one of 'bracketed', 'brent'"):
             palpate.Playback(palpate.read_model(PAGE / "model"), motion="fast")
 
     def test_a_trace_outlives_what_made_it(self):

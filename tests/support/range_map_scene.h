@@ -10,10 +10,10 @@
 #include <random>
 #include <vector>
 
+#include "palpate/core/parallel_for.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/triangle_mesh.h"
-#include "palpate/core/parallel_for.h"
 
 /// Range maps of meshes by ray casting, with the faults of real range maps and with their truth.
 namespace palpate::geometry::test {

@@ -6,9 +6,9 @@
 
 #include "maker/html_text.h"
 #include "maker/page_text.h"
+#include "palpate/core/require.h"
 #include "palpate/haptics/model_bytes.h"
 #include "palpate/haptics/playable.h"
-#include "palpate/core/require.h"
 
 namespace palpate::web {
 

@@ -4,9 +4,10 @@
 // What the library does with threads, words and other libraries, in a page that has none of them.
 #include "geodesic/geodesic_methods.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/core/fields.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/contact_triangulation.h"
 
 namespace palpate {
 
@@ -25,6 +26,9 @@ void require(std::string_view name, const std::optional<double>& value, const In
              std::string_view unit) {
   if (value) require(name, *value, range, unit);
 }
+
+// Options of a page are the usual ones.
+void require_in_range(const FieldList& /*fields*/) {}
 
 namespace geometry {
 

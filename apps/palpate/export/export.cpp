@@ -14,7 +14,6 @@
 #include "shared/color_picture.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
-#include "shared/play_friction.h"
 #include "surfaces/mesh_steps.h"
 
 namespace palpate::apps {
@@ -133,7 +132,10 @@ void add_export(CLI::App& app, const Settings& settings) {
                  "Colour the surface of a range map by the picture that palpate decode "
                  "--surface-color has written beside it")
       ->excludes("--html");
-  add_friction_option(*command, page.friction);
+  command
+      ->add_option("--unknown-friction", page.unknown_friction,
+                   "Coefficient of friction of contacts where the measurements do not tell it")
+      ->check(within(at_least(0).finite()));
   add_camera_options(*command, page.camera);
   add_unit_option(*command, page.meshes);
   command

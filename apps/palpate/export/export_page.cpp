@@ -34,7 +34,7 @@ struct PageOption {
 std::vector<PageOption> options_of(const PageCall& call) {
   using enum PageContent;
   return {{"--title", !call.title.empty(), {model, range_maps, meshes}},
-          {"--friction", call.friction.has_value(), {model}},
+          {"--unknown-friction", call.unknown_friction.has_value(), {model}},
           {"--rig", !call.camera.rig.empty(), {range_maps}, true},
           {"--scale", call.camera.scale.has_value(), {range_maps}, true},
           {"--intrinsics", !call.camera.intrinsics.empty(), {range_maps}, true},
@@ -89,8 +89,8 @@ std::string page_title(const PageCall& call) {
 
 void write_model_page(const PageCall& call) {
   haptics::Model model = haptics::read_model(call.input);
-  const double friction =
-      checked_friction(call.input, haptics::unknown_friction_count(model), call.friction);
+  const double friction = call.unknown_friction.value_or(0);
+  check_friction(call.input, haptics::unknown_friction_count(model), friction);
   const std::string page =
       web::model_page(std::move(model), {.title = page_title(call), .unknown_friction = friction},
                       page_template_path("model"));

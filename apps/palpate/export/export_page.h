@@ -15,9 +15,9 @@ namespace palpate::apps {
 struct PageCall {
   std::filesystem::path input, output;
   std::string title;
-  std::optional<double> friction;  ///< of models
-  MapCamera camera;                ///< of range maps and depth images
-  std::optional<int> every;        ///< of sequences: only every Nth frame
+  std::optional<double> unknown_friction;  ///< of models
+  MapCamera camera;                        ///< of range maps and depth images
+  std::optional<int> every;                ///< of sequences: only every Nth frame
   geometry::ReadOptions meshes;
 };
 

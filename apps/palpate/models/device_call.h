@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/haptics/playback.h"
 #include "palpate/haptics/simulated_hand.h"
 #include "palpate/haptics/virtual_coupling.h"
 
@@ -26,7 +27,7 @@ struct DeviceCall {
   double duration = 0;     ///< [s]; 0: that of the trajectory, otherwise until Ctrl-C
   double exchange_at = 0;  ///< [s]
   std::optional<double> scale;
-  std::optional<double> friction;        ///< where it is unknown
+  haptics::PlaybackOptions playback;
   std::vector<unsigned> clutch_buttons;  ///< numbers from 0
   std::string coupling = "auto";         ///< auto, off, or a stiffness [N/mm]
   // As in `haptics::SafetyOptions`.

@@ -55,7 +55,7 @@ void tell_friction(const haptics::BuildResult& built) {
   if (haptics::unknown_friction_count(built.model) > 0) {
     spdlog::warn(
         "the friction of the model is unknown: palpate play lets the tool slide without friction, "
-        "or with the coefficient of --friction.");
+        "or with the coefficient of --unknown-friction.");
   }
   if (bounded) spdlog::warn("some of these use a lower bound; their true friction may be larger.");
 }

@@ -22,6 +22,7 @@
 #include "palpate/haptics/trajectory_file.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
 #include "shared/play_friction.h"
@@ -80,7 +81,7 @@ void play(const Settings& settings, const PlayCall& call) {
   const haptics::Model model = playable_model(call.model);
   const std::optional<double> probe_radius = probe_radius_of(call, model);
   const std::shared_ptr<const haptics::Playback> playback_there =
-      made_playback(call.model, model, call.device.friction);
+      made_playback(call.model, model, call.device.playback);
   const haptics::Playback& playback = *playback_there;
   const std::vector<haptics::TracePoint> trace = haptics::play(playback, trajectory);
   if (!call.record.empty()) haptics::write_trace(call.record, trace);
@@ -256,7 +257,7 @@ void add_play(CLI::App& app, const Settings& settings) {
                       "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
                       "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
-  add_friction_option(*command, call->device.friction);
+  add_fields(*command, fields_of(call->device.playback));
   CLI::Option* tool_radius = command
                                  ->add_option("--tool-radius", call->tool_radius,
                                               "Radius of the tool, a ball [mm]; if it is not the "

@@ -144,7 +144,7 @@ void run_loop(const Settings& settings, const DeviceCall& call,
                                   .record = call.session,
                                   .session = played.session};
   if (!call.exchange.empty()) {
-    run_options.exchanges.push_back({call.exchange_at, playback_of(call.exchange, call.friction)});
+    run_options.exchanges.push_back({call.exchange_at, playback_of(call.exchange, call.playback)});
   }
   const std::unique_ptr<haptics::DeviceRun> run = played.begin(*device.arm, run_options);
   const AtInterrupt at_interrupt([&run] { run->stop(); });
@@ -174,7 +174,7 @@ void play_device(const Settings& settings, const DeviceCall& call) {
             .begin =
                 [&](probing::Arm& arm, const haptics::RunOptions& run) {
                   return std::make_unique<haptics::DeviceRun>(
-                      arm, made_playback(call.model, model, call.friction), options, run);
+                      arm, made_playback(call.model, model, call.playback), options, run);
                 },
             .write_trace =
                 [&](const haptics::LoopRecord& record, const PlayJson& /*figures*/) {

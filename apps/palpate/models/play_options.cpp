@@ -5,6 +5,9 @@
 #include <string>
 
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
+#include "palpate/haptics/playback.h"
+#include "shared/field_options.h"
 
 namespace palpate::apps {
 namespace {
@@ -31,12 +34,11 @@ struct PlayOption {
   const char* needs;
 };
 
-// Every option of the command but those that all commands have.
+// Every option of the command except those of playback and those that all commands have.
 constexpr PlayOption kPlayOptions[] = {
     {"--trajectory", kAlong | kWithSimulated, "a model folder, alone or with a simulated --device"},
     {"--record", kAlong | kAnyDevice | kScene, "--trajectory, --device or a scene file"},
     {"--picture", kAlong, "--trajectory without --device"},
-    {"--friction", kAlong | kAnyDevice, "a model folder with --trajectory or --device"},
     {"--tool-radius", kAlong, "--trajectory without --device"},
     {"--probe-radius", kAlong, "--trajectory without --device"},
     {"--device", kAnyDevice | kAnyStability, "no --replay"},
@@ -89,11 +91,17 @@ const char* words_of_way(PlayWay way) {
 }  // namespace
 
 void refuse_idle_options(const CLI::App& play, PlayWay way) {
-  for (const PlayOption& option : kPlayOptions) {
-    const bool works = (option.ways & static_cast<unsigned>(way)) != 0;
-    if (works || play.get_option(option.name)->count() == 0) continue;
-    throw InvalidInput(std::string(option.name) + ": does nothing " + words_of_way(way) +
-                       "; it needs " + option.needs);
+  const auto refuse_idle = [&](const std::string& name, unsigned ways, const char* needs) {
+    const bool works = (ways & static_cast<unsigned>(way)) != 0;
+    if (works || play.get_option(name)->count() == 0) return;
+    throw InvalidInput(name + ": does nothing " + words_of_way(way) + "; it needs " + needs);
+  };
+  for (const PlayOption& option : kPlayOptions) refuse_idle(option.name, option.ways, option.needs);
+  haptics::PlaybackOptions playback;
+  for (const FieldText& field : texts_of(fields_of(playback))) {
+    refuse_idle(option_name(field.name), kAlong | kModelDevice,
+                "a model folder with --trajectory or --device; a scene file has \"playback\" for "
+                "each object");
   }
 }
 

@@ -56,7 +56,7 @@ void report_replay(const Settings& settings, const fs::path& session,
 std::string session_text(const DeviceCall& call) {
   std::vector<fs::path> models = {call.model};
   if (!call.exchange.empty()) models.push_back(call.exchange);
-  return session_text(models, call.friction);
+  return session_text(models, call.playback);
 }
 
 SceneOfDevice read_scene_of_device(const fs::path& path, const std::string& tool) {
@@ -106,13 +106,11 @@ void play_replay(const Settings& settings, const fs::path& model, const fs::path
                                      folders[i].string(), models[i].value("path", "another one")));
     }
   }
-  std::optional<double> friction;
-  if (text.is_object() && text.contains("friction") && text["friction"].is_number())
-    friction = text["friction"].get<double>();
+  const haptics::PlaybackOptions playback = models_of(record.session).playback;
   std::vector<std::shared_ptr<const haptics::Playback>> playbacks;
   std::vector<const haptics::Playback*> pointers;
   for (const fs::path& folder : folders) {
-    playbacks.push_back(playback_of(folder, friction));
+    playbacks.push_back(playback_of(folder, playback));
     pointers.push_back(playbacks.back().get());
   }
   report_replay(settings, session, haptics::replay(record, pointers));

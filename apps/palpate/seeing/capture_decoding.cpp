@@ -16,7 +16,6 @@
 #include "palpate/sensing/trained_colors.h"
 #include "seeing/capture_camera.h"
 #include "seeing/decode_input.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -30,19 +29,13 @@ constexpr std::size_t kFirstJudgement = 5;
 /// As `palpate decode` records its settings, so that it can go on with --resume.
 nlohmann::ordered_json live_settings(const LiveDecodeCall& call,
                                      const sensing::CameraState& camera) {
-  const auto print_of = [](const fs::path& file) { return file.empty() ? "" : fingerprint(file); };
-  const sensing::DecodeOptions usual;
-  return {{"version", PALPATE_VERSION},
-          {"--rig", print_of(call.rig)},
-          {"--pattern", print_of(call.pattern)},
-          {"--colors", print_of(call.colors)},
-          {"--response", print_of(call.response)},
-          {"--anchor", std::vector<double>()},
-          {"--window", usual.window_periods},
-          {"--half", call.half},
-          {"--bayer", camera.bayer ? bayer_name(*camera.bayer) : ""},
-          {"--bits", camera.bits > 8 ? camera.bits : 0},
-          {"--segmentation", "flood"}};
+  return decode_settings({.rig = call.rig,
+                          .pattern = call.pattern,
+                          .colors = call.colors,
+                          .response = call.response,
+                          .bayer = camera.bayer ? bayer_name(*camera.bayer) : "",
+                          .bits = camera.bits > 8 ? camera.bits : 0,
+                          .options = call.options});
 }
 
 }  // namespace
@@ -66,7 +59,7 @@ LiveDecoding::LiveDecoding(const LiveDecodeCall& call, const sensing::CameraStat
   }
   const sensing::TrainedColors colors = sensing::read_trained_colors(call_.colors);
   if (!call_.response.empty()) linearizer_.emplace(sensing::read_response(call_.response));
-  decoder_.emplace(rig, pattern, colors, sensing::DecodeOptions{.half_resolution = call_.half});
+  decoder_.emplace(rig, pattern, colors, call_.options);
   live_settings_ = live_settings(call_, camera);
   folder_.emplace(call_.output, decoded_files, ResultFolder::Unfinished::kept);
   if (folder_->replaces()) {

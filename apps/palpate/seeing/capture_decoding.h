@@ -25,7 +25,7 @@ namespace palpate::apps {
 struct LiveDecodeCall {
   std::filesystem::path output;  ///< the folder of the range maps; empty: nothing is decoded
   std::filesystem::path rig, pattern, colors, response;
-  bool half = false;
+  sensing::DecodeOptions options;
 };
 
 /// Decodes frames of a recording while it goes on, into a folder of range maps as `palpate decode`

@@ -21,6 +21,7 @@
 #include "seeing/capture_files.h"
 #include "seeing/projector_window.h"
 #include "shared/call_checks.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/interrupts.h"
 
@@ -139,12 +140,13 @@ Json decoding_figures(const LiveDecoding& decoding, const SequenceCall& call,
 
 /// The call that decodes the frames that were skipped.
 std::string decode_words(const SequenceCall& call, const sensing::CameraState& camera) {
-  const LiveDecodeCall& decode = call.decode;
+  LiveDecodeCall decode = call.decode;
+  sensing::DecodeOptions usual;
   std::string words = fmt::format("palpate decode {} --resume --rig {} --pattern {} --colors {}",
                                   call.output.string(), decode.rig.string(),
                                   decode.pattern.string(), decode.colors.string());
   if (!decode.response.empty()) words += " --response " + decode.response.string();
-  if (decode.half) words += " --half";
+  words += changed_options(fields_of(decode.options), fields_of(usual));
   return words + decode_options_of(camera) + " -o " + decode.output.string();
 }
 
@@ -279,10 +281,8 @@ void add_capture_sequence(CLI::App& capture, const Settings& settings) {
       ->add_option("--response", call->decode.response,
                    "Response of projector and camera (response.yaml)")
       ->needs(decode);
-  command
-      ->add_flag("--half", call->decode.half,
-                 "Decode at half the size of the frames, which is several times faster")
-      ->needs(decode);
+  for (CLI::Option* option : add_fields(*command, fields_of(call->decode.options)))
+    option->needs(decode);
   CLI::Option* show = command->add_option(
       "--show", call->show, "Show this image on the projector meanwhile (pattern.png)");
   command

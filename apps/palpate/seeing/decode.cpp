@@ -30,7 +30,7 @@
 #include "seeing/decode_report.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/fingerprint.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
 #include "shared/result_folder.h"
@@ -47,10 +47,7 @@ struct DecodeCall {
   std::optional<sensing::Linearizer> linearizer;  ///< of `response`
   std::string bayer;
   int bits = 0;  ///< of 16-bit frames; 0: not stated, all 16
-  std::string segmentation = "flood";
-  std::vector<double> anchor;
-  double window_periods = sensing::DecodeOptions{}.window_periods;
-  bool half = false;
+  sensing::DecodeOptions options;
   fs::path output;        ///< the folder for the results
   DecodeOutputs outputs;  ///< in the folder where this run writes
   bool resume = false;
@@ -78,7 +75,7 @@ std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameS
     }
     if (call.bits == 0 && frame->number == 0) doubt_bits_when_read(*frame);
     if (call.linearizer) linearize_when_read(*call.linearizer, *frame);
-    if (!call.anchor.empty() && frame->number == 0) examine_when_read(*frame);
+    if (!call.options.anchors.empty() && frame->number == 0) examine_when_read(*frame);
     FrameItem item;
     item.decoded.source = std::move(*frame);
     return item;
@@ -90,7 +87,7 @@ std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameS
 cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
                  const sensing::DecodedFrame& decoded) {
   cv::Mat image = decoded.image;
-  if (call.half) {
+  if (call.options.half_resolution) {
     const cv::Size size(rig.camera.width, rig.camera.height);
     cv::resize(image(cv::Rect(0, 0, 2 * size.width, 2 * size.height)), image, size, 0, 0,
                cv::INTER_AREA);
@@ -125,7 +122,7 @@ void write_frame(const DecodeCall& call, const sensing::Rig& rig, FrameItem& ite
   measure_depths(result.range.z, item.finished);
   if (item.finished.pixels == 0)
     spdlog::warn("{}: no pixel has a depth; run with -v to see why.", source.name);
-  if (!call.anchor.empty()) warn_of_pixels_without_anchor(source.name, result.reasons);
+  if (!call.options.anchors.empty()) warn_of_pixels_without_anchor(source.name, result.reasons);
   const cv::Mat color = call.outputs.color ? color_of(call, rig, item.decoded) : cv::Mat();
   item.decoded.image.release();
   write_outputs(call.outputs, source.number, result, color);
@@ -215,17 +212,13 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
 
 /// Everything that a range map depends on besides its frame, by the names of the options.
 nlohmann::ordered_json settings_of(const DecodeCall& call) {
-  return {{"version", PALPATE_VERSION},
-          {"--rig", fingerprint(call.rig)},
-          {"--pattern", fingerprint(call.pattern)},
-          {"--colors", call.colors.empty() ? "" : fingerprint(call.colors)},
-          {"--response", call.response.empty() ? "" : fingerprint(call.response)},
-          {"--anchor", call.anchor},
-          {"--window", call.window_periods},
-          {"--half", call.half},
-          {"--bayer", call.bayer},
-          {"--bits", call.bits},
-          {"--segmentation", call.segmentation}};
+  return decode_settings({.rig = call.rig,
+                          .pattern = call.pattern,
+                          .colors = call.colors,
+                          .response = call.response,
+                          .bayer = call.bayer,
+                          .bits = call.bits,
+                          .options = call.options});
 }
 
 /// Several images of a still scene give one range map.
@@ -254,14 +247,7 @@ sensing::Decoder make_decoder(const DecodeCall& call, const sensing::Rig& rig,
                        " has coloured stripes. Give the trained colours (colors.yaml), as palpate "
                        "calibrate colors writes them.");
   }
-  using enum sensing::Segmentation;
-  return {rig,
-          pattern,
-          colors,
-          {.window_periods = call.window_periods,
-           .half_resolution = call.half,
-           .segmentation = call.segmentation == "snakes" ? snakes : flood,
-           .anchors = anchors_of(call.anchor)}};
+  return {rig, pattern, colors, call.options};
 }
 
 void decode(const Settings& settings, DecodeCall call) {
@@ -269,8 +255,8 @@ void decode(const Settings& settings, DecodeCall call) {
                 {"--pattern", call.pattern},
                 {"--colors", call.colors},
                 {"--response", call.response}});
-  if (call.half && lies_in_output(call)) {
-    throw InvalidInput("--half: " + call.rig.string() +
+  if (call.options.half_resolution && lies_in_output(call)) {
+    throw InvalidInput("--half-resolution: " + call.rig.string() +
                        " would be replaced by the rig of the smaller range maps; choose another "
                        "folder for them");
   }
@@ -280,7 +266,7 @@ void decode(const Settings& settings, DecodeCall call) {
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
   if (call.multishot) return decode_scenes(settings, call, source, rig, pattern);
-  if (pattern.multishot && call.anchor.empty()) {
+  if (pattern.multishot && call.options.anchors.empty()) {
     throw InvalidInput("--multishot: is missing; " + call.pattern.string() +
                        " is for several images of a still scene");
   }
@@ -323,26 +309,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
   command->add_option(
       "--response", call->response,
       "Response of projector and camera (response.yaml): frames are linearised first");
-  CLI::Option* anchor =
-      command
-          ->add_option("--anchor", call->anchor,
-                       "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is "
-                       "known; repeat it for each surface")
-          ->expected(3)
-          ->take_all()
-          ->delimiter(',');
-  CLI::Option* window =
-      command
-          ->add_option(
-              "--window", call->window_periods,
-              "Length of the demodulation window in periods of the sinusoid, 1.25 to 8: a longer "
-              "window has less noise; a shorter one resolves finer relief, closer to edges")
-          ->check(within(at_least(1.25).at_most(8)))
-          ->capture_default_str();
-  CLI::Option* half = command->add_flag(
-      "--half", call->half,
-      "Decode at half the size of the frames, which is several times faster; the range "
-      "maps and the rig beside them have that size");
+  const std::vector<CLI::Option*> decoding = add_fields(*command, fields_of(call->options));
   CLI::Option* bits =
       command
           ->add_option(
@@ -355,14 +322,6 @@ void add_decode(CLI::App& app, const Settings& settings) {
           "The frames are raw mosaics of a single-chip camera: the colours of the first two "
           "pixels, then of the two below")
       ->check(one_of({"rggb", "bggr", "grbg", "gbrg"}));
-  CLI::Option* segmentation =
-      command
-          ->add_option(
-              "--segmentation", call->segmentation,
-              "Method for finding smooth regions: flood, or snakes, which bridge gaps in their "
-              "borders but are slower")
-          ->check(one_of({"flood", "snakes"}))
-          ->capture_default_str();
   DecodeOutputs& outputs = call->outputs;
   command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
   command
@@ -396,8 +355,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--multishot", call->multishot,
       "Several images of a scene that holds still give one range map: shifted sinusoids, then a "
       "Gray code, as the pattern says (palpate pattern --multishot)");
-  for (CLI::Option* other : {colors, anchor, window, half, bits, segmentation, resume, force})
-    multishot->excludes(other);
+  for (CLI::Option* other : {colors, bits, resume, force}) multishot->excludes(other);
   command
       ->add_option("--exposures", call->exposures,
                    "With --multishot: how often the images of a scene follow each other, each time "
@@ -424,7 +382,15 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "still/ --sigma\n"
       "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "
       "colors.yaml -o range/ --sigma --reasons --resume");
-  command->callback([call, &settings] { decode(settings, *call); });
+  command->callback([call, decoding, &settings] {
+    for (const CLI::Option* option : decoding) {
+      if (call->multishot && option->count() > 0) {
+        throw InvalidInput("--multishot: excludes " + option->get_name() +
+                           ", which is for single frames; leave one of them out");
+      }
+    }
+    decode(settings, *call);
+  });
 }
 
 }  // namespace palpate::apps

@@ -44,17 +44,6 @@ std::optional<std::string> distortion_of(const cv::Mat& frame) {
 
 }  // namespace
 
-std::vector<sensing::Anchor> anchors_of(const std::vector<double>& values) {
-  if (values.size() % 3 != 0) {
-    throw InvalidInput(fmt::format(
-        "--anchor: u,v,z are three numbers for each anchor; there are {} in all", values.size()));
-  }
-  std::vector<sensing::Anchor> anchors;
-  for (std::size_t i = 0; i < values.size(); i += 3)
-    anchors.push_back({values[i], values[i + 1], values[i + 2]});
-  return anchors;
-}
-
 void doubt_bits_when_read(sensing::SourceFrame& frame) {
   frame.read = [read = std::move(frame.read), name = frame.name] {
     cv::Mat image = read();

@@ -13,10 +13,6 @@
 
 namespace palpate::apps {
 
-/// Anchors from u, v, z; u, v, z; ...
-/// \throws InvalidInput unless these are whole triples.
-[[nodiscard]] std::vector<sensing::Anchor> anchors_of(const std::vector<double>& values);
-
 /// Opens the frames of a call, and prints what their source warns of.
 /// \param bayer order of the colours, such as "rggb"; empty for frames in colour.
 /// \param bits that the values of 16-bit frames use; 0: not stated, all 16.

@@ -16,6 +16,8 @@
 #include "palpate/geometry/median.h"
 #include "palpate/probing/csv.h"
 #include "seeing/decode_outputs.h"
+#include "shared/field_options.h"
+#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -136,6 +138,19 @@ FileError no_record(const fs::path& file, const Json::exception& error, const ch
 }
 
 }  // namespace
+
+Json decode_settings(DecodeSettings settings) {
+  const auto print_of = [](const fs::path& file) { return file.empty() ? "" : fingerprint(file); };
+  Json named = {{"version", PALPATE_VERSION},
+                {"--rig", print_of(settings.rig)},
+                {"--pattern", print_of(settings.pattern)},
+                {"--colors", print_of(settings.colors)},
+                {"--response", print_of(settings.response)},
+                {"--bayer", settings.bayer},
+                {"--bits", settings.bits}};
+  named.update(option_values(fields_of(settings.options)));
+  return named;
+}
 
 std::size_t count_finished_frames(const fs::path& file) {
   constexpr const char* kWanted = "Give the decode.jsonl that palpate decode has written";

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/decode.h"
 #include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/frame_source.h"
 #include "shared/run_record.h"
@@ -35,6 +36,17 @@ struct FinishedFrame {
 
 /// Counts the known depths of a range map and computes their median, into the frame's record.
 void measure_depths(const geometry::ImageF& z, FinishedFrame& frame);
+
+/// What range maps depend on besides their frames.
+struct DecodeSettings {
+  std::filesystem::path rig, pattern, colors, response;  ///< empty: not given
+  std::string bayer;
+  int bits = 0;
+  sensing::DecodeOptions options;
+};
+
+/// The settings by the names of the options, with fingerprints of the files.
+[[nodiscard]] nlohmann::ordered_json decode_settings(DecodeSettings settings);
 
 /// The number of frames that are finished according to a `decode.jsonl`.
 /// \throws FileError if it is not a record of `palpate decode`.

@@ -20,8 +20,9 @@ namespace fs = std::filesystem;
 CLI::Validator within(const Interval& range) {
   return {[range](const std::string& text) {
             double number = 0;
-            const bool is_right = CLI::detail::lexical_cast(text, number) && range.contains(number);
-            return is_right ? std::string() : "is " + text + "; it must be " + to_string(range);
+            if (!CLI::detail::lexical_cast(text, number))
+              return "is " + text + "; it must be " + to_string(range);
+            return range.contains(number) ? std::string() : refusal(number, range);
           },
           to_string(range)};
 }

@@ -5,12 +5,26 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "shared/field_options.h"
 
 namespace palpate::apps {
 namespace {
 
 class HelpFormatter : public CLI::Formatter {
  public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    mode_ = mode;
+    return CLI::Formatter::make_help(app, std::move(name), mode);
+  }
+  std::string make_group(std::string group, bool is_positional,
+                         std::vector<const CLI::Option*> options) const override {
+    if (group == kExpertOptions && mode_ == CLI::AppFormatMode::Normal) return {};
+    return CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
+  }
   std::string make_footer(const CLI::App* app) const override {
     const CLI::App* all = app;
     while (all->get_parent() != nullptr) all = all->get_parent();
@@ -23,6 +37,9 @@ class HelpFormatter : public CLI::Formatter {
     }
     return shared + CLI::Formatter::make_footer(app);
   }
+
+ private:
+  mutable CLI::AppFormatMode mode_ = CLI::AppFormatMode::Normal;  ///< of the last help
 };
 
 }  // namespace

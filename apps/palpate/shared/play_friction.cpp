@@ -6,12 +6,9 @@
 #include <spdlog/spdlog.h>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
-#include "shared/call_checks.h"
 #include "shared/words.h"
 
 namespace palpate::apps {
-
 namespace {
 
 void tell_unknown_friction(const std::filesystem::path& folder, int unknown, double played) {
@@ -23,39 +20,27 @@ void tell_unknown_friction(const std::filesystem::path& folder, int unknown, dou
 
 }  // namespace
 
-double checked_friction(const std::filesystem::path& folder, int unknown,
-                        std::optional<double> friction) {
-  if (friction && unknown == 0) {
-    throw InvalidInput(fmt::format(
-        "--friction: is for contacts whose friction is unknown; {} knows that of all contacts",
-        folder.string()));
+void check_friction(const std::filesystem::path& folder, int unknown, double played) {
+  if (played != haptics::PlaybackOptions{}.unknown_friction && unknown == 0) {
+    throw InvalidInput(
+        fmt::format("--unknown-friction: is for contacts whose friction is unknown; "
+                    "{} knows that of all contacts",
+                    folder.string()));
   }
-  const double played = friction.value_or(haptics::PlaybackOptions{}.unknown_friction);
   tell_unknown_friction(folder, unknown, played);
-  return played;
 }
 
 std::shared_ptr<const haptics::Playback> made_playback(const std::filesystem::path& folder,
                                                        const haptics::Model& model,
-                                                       std::optional<double> friction) {
-  haptics::PlaybackOptions options;
-  options.unknown_friction =
-      checked_friction(folder, haptics::unknown_friction_count(model), friction);
+                                                       const haptics::PlaybackOptions& options) {
+  check_friction(folder, haptics::unknown_friction_count(model), options.unknown_friction);
   return std::make_shared<const haptics::Playback>(model, options);
-}
-
-void add_friction_option(CLI::App& command, std::optional<double>& friction) {
-  command
-      .add_option("--friction", friction,
-                  "Coefficient of friction of contacts where the measurements do not tell it "
-                  "(default: 0)")
-      ->check(within(at_least(0).finite()));
 }
 
 void tell_unknown_friction(const haptics::SceneFile& file, const haptics::Scene& scene) {
   for (std::size_t o = 0; o < file.objects.size(); ++o) {
     tell_unknown_friction(file.models[o], scene.objects()[o].playback->unknown_friction_count(),
-                          haptics::PlaybackOptions{}.unknown_friction);
+                          file.playback[o].unknown_friction);
   }
 }
 

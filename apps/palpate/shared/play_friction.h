@@ -2,10 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/scene_file.h"
@@ -13,21 +11,17 @@
 namespace palpate::apps {
 
 /// The playback of a model, with a warning if the friction of contacts is unknown.
-/// \param friction coefficient of these contacts; none: `PlaybackOptions::unknown_friction`.
-/// \throws InvalidInput if a friction is given and that of all contacts is known.
+/// \throws InvalidInput if the options give such a friction and that of all contacts is known.
 [[nodiscard]] std::shared_ptr<const haptics::Playback> made_playback(
     const std::filesystem::path& folder, const haptics::Model& model,
-    std::optional<double> friction);
+    const haptics::PlaybackOptions& options = {});
 
-/// The coefficient with which `unknown` contacts of a model are played, with a warning if there are
-/// any. Parameters and exceptions as `made_playback`.
-[[nodiscard]] double checked_friction(const std::filesystem::path& folder, int unknown,
-                                      std::optional<double> friction);
+/// Warns if contacts of a model have an unknown friction, for which `played` is taken.
+/// \param unknown number of such contacts.
+/// \throws InvalidInput as `made_playback`.
+void check_friction(const std::filesystem::path& folder, int unknown, double played);
 
-/// The option --friction.
-void add_friction_option(CLI::App& command, std::optional<double>& friction);
-
-/// Warns of all objects of a scene.
+/// Warns of all objects of a scene whose friction is unknown.
 void tell_unknown_friction(const haptics::SceneFile& file, const haptics::Scene& scene);
 
 }  // namespace palpate::apps

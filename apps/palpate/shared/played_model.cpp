@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playable.h"
 #include "shared/fingerprint.h"
@@ -26,8 +27,8 @@ haptics::Model playable_model(const fs::path& folder) {
 }
 
 std::shared_ptr<const haptics::Playback> playback_of(const fs::path& folder,
-                                                     std::optional<double> friction) {
-  return made_playback(folder, playable_model(folder), friction);
+                                                     const haptics::PlaybackOptions& options) {
+  return made_playback(folder, playable_model(folder), options);
 }
 
 std::string print_of_model(const fs::path& folder) {
@@ -36,12 +37,15 @@ std::string print_of_model(const fs::path& folder) {
          fingerprint(folder / "surface.ply");
 }
 
-std::string session_text(const std::vector<fs::path>& models, std::optional<double> friction) {
+std::string session_text(const std::vector<fs::path>& models,
+                         const haptics::PlaybackOptions& options) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const fs::path& model : models)
     list.push_back({{"path", model.string()}, {"fingerprint", print_of_model(model)}});
   nlohmann::ordered_json text{{"models", list}};
-  if (friction) text["friction"] = *friction;
+  haptics::PlaybackOptions played = options;
+  for (const FieldText& field : texts_of(fields_of(played)))
+    text["playback"][field.name] = field.text;
   // A path need not be Unicode.
   return text.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -52,8 +56,11 @@ SessionModels models_of(const std::string& session) {
   models.words = "another program";
   if (!text.is_object()) return models;
   if (text.contains("scene")) models.words = "a scene";
-  if (text.contains("friction") && text["friction"].is_number())
-    models.friction = text["friction"].get<double>();
+  const auto playback = text.value("playback", nlohmann::ordered_json::object());
+  for (const auto& [name, value] : playback.items()) {
+    if (value.is_string())
+      assign(fields_of(models.playback), name, value.get_ref<const std::string&>());
+  }
   const auto list = text.value("models", nlohmann::ordered_json());
   if (!list.is_array()) return models;
   models.words.clear();

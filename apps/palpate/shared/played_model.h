@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,22 +15,22 @@ namespace palpate::apps {
 /// \throws InvalidInput naming the folder if the model cannot be felt with a device.
 [[nodiscard]] haptics::Model playable_model(const std::filesystem::path& folder);
 
-/// The same, ready for the loop. \param friction as `made_playback`.
+/// The same, ready for the loop, as `made_playback`.
 [[nodiscard]] std::shared_ptr<const haptics::Playback> playback_of(
-    const std::filesystem::path& folder, std::optional<double> friction);
+    const std::filesystem::path& folder, const haptics::PlaybackOptions& options = {});
 
 /// What tells a model from another one, for sessions.
 [[nodiscard]] std::string print_of_model(const std::filesystem::path& folder);
 
 /// What a session of the loop must know to be computed again: its models, in the order of their
-/// use, and the coefficient of contacts whose friction is unknown.
+/// use, and how they are played.
 [[nodiscard]] std::string session_text(const std::vector<std::filesystem::path>& models,
-                                       std::optional<double> friction);
+                                       const haptics::PlaybackOptions& options);
 
 /// What `session_text` wrote.
 struct SessionModels {
   std::vector<std::string> fingerprints;  ///< of its models; none: the session of something else
-  std::optional<double> friction;
+  haptics::PlaybackOptions playback;
   std::string words;  ///< for messages: "model/", or "a scene"
 };
 [[nodiscard]] SessionModels models_of(const std::string& session);

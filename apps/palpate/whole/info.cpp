@@ -148,7 +148,7 @@ Description describe_acquisition(const fs::path& path) {
 }
 
 std::string friction_in_words(const std::vector<double>& known, int without_own, int bounds) {
-  if (known.empty()) return "unknown; palpate play takes 0, or --friction";
+  if (known.empty()) return "unknown; palpate play takes 0, or --unknown-friction";
   return fmt::format(
       "{:.3f} in the median; {} contacts do not determine theirs, {} of these use a lower bound",
       geometry::error_statistics(known).median, without_own, bounds);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "palpate/core/error.h"
 
@@ -38,13 +39,17 @@ std::string to_string(const Interval& range) {
   return is_finite ? "finite" : "a number";
 }
 
-void require(std::string_view name, double value, const Interval& range, std::string_view unit) {
-  if (range.contains(value)) return;
+std::string refusal(double value, const Interval& range, std::string_view unit) {
   const double end = value < 0 ? -range.low : range.high;
   const bool is_huge = std::isfinite(value) && end == kLargestNumber && std::abs(value) > end;
+  return fmt::format("is {}{}{}; it must be {}", value, unit.empty() ? "" : " ", unit,
+                     is_huge ? fmt::format("at most {} in magnitude", end) : to_string(range));
+}
+
+void require(std::string_view name, double value, const Interval& range, std::string_view unit) {
+  if (range.contains(value)) return;
   throw InvalidInput(
-      fmt::format("{} is {}{}{}; it must be {}", name, value, unit.empty() ? "" : " ", unit,
-                  is_huge ? fmt::format("at most {} in magnitude", end) : to_string(range)));
+      std::vector<MessagePart>{{std::string(name), true}, {" " + refusal(value, range, unit)}});
 }
 
 void require(std::string_view name, const std::optional<double>& value, const Interval& range,
@@ -59,7 +64,8 @@ void require_one_of(std::string_view name, int value, std::initializer_list<int>
     if (&choice != choices.begin()) words += &choice + 1 == choices.end() ? " or " : ", ";
     words += fmt::format("{}", choice);
   }
-  throw InvalidInput(fmt::format("{} is {}; it must be {}", name, value, words));
+  throw InvalidInput(std::vector<MessagePart>{
+      {std::string(name), true}, {fmt::format(" is {}; it must be {}", value, words)}});
 }
 
 }  // namespace palpate

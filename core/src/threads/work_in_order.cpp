@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "threads/thread_order.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
+#include "threads/thread_order.h"
 
 namespace palpate {
 

@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/mesh_topology.h"
-#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/self_intersection_removal.h"
-#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "base/numbers.h"
-#include "palpate/core/work_steps.h"
 #include "clouds/known_points.h"
 #include "clouds/point_tree.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
+#include "palpate/core/work_steps.h"
 
 namespace palpate::geometry {
 

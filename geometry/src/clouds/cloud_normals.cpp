@@ -9,8 +9,8 @@
 #include "clouds/normal_sides.h"
 #include "clouds/point_tree.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/cloud_distance.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/cloud_distance.h"
 
 namespace palpate::geometry {
 namespace {

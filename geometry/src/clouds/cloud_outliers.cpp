@@ -6,8 +6,8 @@
 
 #include "base/numbers.h"
 #include "clouds/point_tree.h"
-#include "palpate/geometry/cloud_distance.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/cloud_distance.h"
 
 namespace palpate::geometry {
 namespace {

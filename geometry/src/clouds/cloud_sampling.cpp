@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <utility>
 
-#include "palpate/core/work_steps.h"
 #include "clouds/cell_numbers.h"
 #include "clouds/known_points.h"
 #include "palpate/core/require.h"
+#include "palpate/core/work_steps.h"
 
 namespace palpate::geometry {
 namespace {

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "palpate/core/work_steps.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/work_steps.h"
 
 namespace palpate::geometry {
 

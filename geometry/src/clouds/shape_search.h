@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/core/parallel_for.h"
 #include "palpate/core/work_steps.h"
 #include "palpate/geometry/cloud_shapes.h"
-#include "palpate/core/parallel_for.h"
 #include "query/local_frame.h"
 
 namespace palpate::geometry {

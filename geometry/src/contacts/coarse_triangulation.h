@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "palpate/core/work_steps.h"
 #include "contacts/contact_weights.h"
 #include "contacts/intrinsic_triangulation.h"
+#include "palpate/core/work_steps.h"
 #include "palpate/geometry/contact_triangulation.h"
 
 namespace palpate::geometry {

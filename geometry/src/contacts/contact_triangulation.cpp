@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/core/work_steps.h"
 #include "contacts/coarse_triangulation.h"
 #include "palpate/core/error.h"
+#include "palpate/core/work_steps.h"
 #include "palpate/geometry/surface_query.h"
 
 namespace palpate::geometry {

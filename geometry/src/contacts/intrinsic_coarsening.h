@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "palpate/core/work_steps.h"
 #include "contacts/intrinsic_triangulation.h"
+#include "palpate/core/work_steps.h"
 
 namespace palpate::geometry {
 

@@ -9,13 +9,13 @@
 #include <string>
 
 #include "base/numbers.h"
-#include "palpate/core/work_steps.h"
 #include "deformation/deformation_equations.h"
 #include "deformation/measured_surface.h"
 #include "deformation/slippage.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
+#include "palpate/core/work_steps.h"
 
 namespace palpate::geometry {
 namespace {

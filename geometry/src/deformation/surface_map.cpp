@@ -18,9 +18,9 @@
 #include "deformation/landmark_warp.h"
 #include "deformation/nearest_rotation.h"
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

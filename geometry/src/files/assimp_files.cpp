@@ -10,9 +10,9 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/core/input_file.h"
 #include "files/file_formats.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/module.h"
 
 namespace palpate::geometry {

@@ -10,8 +10,8 @@
 #include <set>
 #include <type_traits>
 
-#include "palpate/core/input_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/require.h"
 
 namespace palpate::geometry {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "palpate/core/input_file.h"
 #include "files/file_formats.h"
+#include "palpate/core/input_file.h"
 
 namespace palpate::geometry {
 namespace {

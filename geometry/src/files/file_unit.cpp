@@ -6,8 +6,8 @@
 #include <array>
 #include <cctype>
 
-#include "palpate/core/input_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/require.h"
 
 namespace palpate::geometry {

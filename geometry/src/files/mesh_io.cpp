@@ -11,15 +11,15 @@
 #include <string>
 #include <utility>
 
-#include "palpate/core/input_file.h"
 #include "files/ending.h"
 #include "files/file_formats.h"
 #include "files/file_unit.h"
 #include "files/polygon_mesh.h"
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
-#include "palpate/geometry/point_file.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
+#include "palpate/geometry/point_file.h"
 
 namespace palpate::geometry {
 namespace {

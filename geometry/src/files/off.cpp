@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/core/input_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 
 namespace palpate::geometry {
 namespace {

@@ -14,10 +14,10 @@
 #include <string_view>
 #include <vector>
 
-#include "palpate/core/input_file.h"
 #include "files/pcd_fields.h"
 #include "files/scalar_type.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 
 namespace palpate::geometry {
 namespace {

@@ -12,10 +12,10 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/core/input_file.h"
 #include "files/ply_header.h"
 #include "files/scalar_type.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 
 namespace palpate::geometry {
 namespace {

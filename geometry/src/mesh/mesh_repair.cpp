@@ -10,11 +10,11 @@
 #include <span>
 #include <utility>
 
-#include "palpate/core/work_steps.h"
 #include "mesh/edge_table.h"
 #include "mesh/same_places.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/core/error.h"
+#include "palpate/core/work_steps.h"
 
 namespace palpate::geometry {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "palpate/geometry/mesh_topology.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
 namespace {

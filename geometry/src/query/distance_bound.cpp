@@ -15,8 +15,8 @@
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/mesh_measures.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "query/distance_piece.h"
 
 namespace palpate::geometry {

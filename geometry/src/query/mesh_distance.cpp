@@ -12,10 +12,10 @@
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/mesh_measures.h"
-#include "palpate/geometry/surface_query.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/surface_query.h"
 #include "query/distance_bound.h"
 #include "query/local_frame.h"
 

@@ -15,10 +15,10 @@
 #include "base/numbers.h"
 #include "mesh/editable_mesh.h"
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {

@@ -18,8 +18,8 @@
 #include <string>
 #include <system_error>
 
-#include "palpate/core/input_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
 #include "palpate/core/parallel_for.h"
 #include "range_map/pixel_rays.h"

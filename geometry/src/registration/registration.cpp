@@ -10,9 +10,9 @@
 
 #include "base/numbers.h"
 #include "base/rigid_motion.h"
-#include "palpate/core/work_steps.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
+#include "palpate/core/work_steps.h"
 #include "registration/pose_search.h"
 #include "registration/pose_verdict.h"
 #include "registration/registration_pcl.h"

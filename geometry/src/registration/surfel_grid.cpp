@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "base/numbers.h"
-#include "palpate/geometry/mesh_measures.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/mesh_measures.h"
 
 namespace palpate::geometry {
 namespace {

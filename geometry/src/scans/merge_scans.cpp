@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/core/require.h"
 #include "scans/distance_volume.h"
 #include "scans/registered_scans.h"
 #include "scans/scan_conflicts.h"

@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "base/numbers.h"
-#include "palpate/geometry/surface_query.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/surface_query.h"
 
 namespace palpate::geometry {
 namespace {

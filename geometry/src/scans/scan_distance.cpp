@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "palpate/geometry/mesh_topology.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
 namespace {

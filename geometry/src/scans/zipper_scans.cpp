@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/core/require.h"
 #include "scans/registered_scans.h"
 #include "scans/scan_seam.h"
 

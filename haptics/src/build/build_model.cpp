@@ -24,15 +24,15 @@
 #include "fit/force_noise.h"
 #include "fit/pressing_field.h"
 #include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/core/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
-#include "palpate/core/require.h"
 #include "samples/repeated_forces.h"
 
 namespace palpate::haptics {

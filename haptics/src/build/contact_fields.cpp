@@ -16,8 +16,8 @@
 #include "fit/pressing_field.h"
 #include "fit/unmeasured_directions.h"
 #include "palpate/core/error.h"
-#include "palpate/haptics/rounding.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
 namespace {

@@ -21,15 +21,15 @@
 #include "build/uncertainty.h"
 #include "model/compliance_kriging.h"
 #include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/range_map_score.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/left_out_contact.h"
 #include "palpate/haptics/realignment.h"
-#include "palpate/core/parallel_for.h"
 #include "palpate/probing/csv.h"
 #include "palpate/probing/fingerprint.h"
-#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/deformation_graph.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/deformed_shape.h"
-#include "palpate/core/require.h"
 #include "samples/nearest_contacts.h"
 
 namespace palpate::haptics {

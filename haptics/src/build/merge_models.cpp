@@ -15,6 +15,7 @@
 
 #include "build/align_frames.h"
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/merge_scans.h"
@@ -23,7 +24,6 @@
 #include "palpate/geometry/zipper_scans.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

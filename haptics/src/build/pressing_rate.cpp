@@ -10,9 +10,9 @@
 #include "build/pressing_records.h"
 #include "fit/pressing_field.h"
 #include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
-#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

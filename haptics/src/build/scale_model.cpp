@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/force_field_fit.h"
@@ -18,8 +20,6 @@
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
-#include "palpate/core/parallel_for.h"
-#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

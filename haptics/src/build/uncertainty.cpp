@@ -10,10 +10,10 @@
 
 #include "build/left_out_blend.h"
 #include "model/force_variance.h"
+#include "palpate/core/parallel_for.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

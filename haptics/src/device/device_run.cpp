@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "palpate/core/error.h"
-#include "palpate/haptics/loop_record.h"
 #include "palpate/core/require.h"
+#include "palpate/haptics/loop_record.h"
 
 namespace palpate::haptics {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/surface_query.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/surface_query.h"
 
 namespace palpate::haptics {
 

@@ -13,8 +13,8 @@
 #include <system_error>
 
 #include "palpate/core/error.h"
-#include "palpate/haptics/trajectory_csv.h"
 #include "palpate/core/output_file.h"
+#include "palpate/haptics/trajectory_csv.h"
 
 namespace palpate::haptics {
 namespace {

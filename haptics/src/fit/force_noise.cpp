@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "fit/field_objective.h"
-#include "palpate/geometry/median.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/median.h"
 
 namespace palpate::haptics {
 namespace {

@@ -13,9 +13,9 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/median.h"
 
 namespace palpate::haptics {
 namespace {

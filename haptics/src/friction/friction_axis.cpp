@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/probing/measurable.h"
-#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

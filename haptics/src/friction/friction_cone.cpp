@@ -14,9 +14,9 @@
 #include "friction/slip_intervals.h"
 #include "friction/slip_likelihood.h"
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/probing/measurable.h"
-#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

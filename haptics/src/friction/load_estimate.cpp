@@ -11,9 +11,9 @@
 
 #include "friction/bent_trials.h"
 #include "friction/slip_likelihood.h"
+#include "palpate/core/parallel_for.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
-#include "palpate/core/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "palpate/haptics/friction_cone.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/haptics/friction_cone.h"
 
 namespace palpate::haptics {
 namespace {

@@ -8,10 +8,10 @@
 #include <algorithm>
 
 #include "model/compliance_kriging.h"
-#include "palpate/haptics/rotation.h"
-#include "palpate/haptics/rounding.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
+#include "palpate/haptics/rotation.h"
+#include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
 namespace {

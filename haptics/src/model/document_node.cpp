@@ -78,6 +78,13 @@ std::vector<DocumentNode> DocumentNode::items() const {
   return result;
 }
 
+std::vector<std::string> DocumentNode::names() const {
+  if (!value_->is_object()) refuse("an object");
+  std::vector<std::string> result;
+  for (const auto& [key, member] : value_->items()) result.push_back(key);
+  return result;
+}
+
 double DocumentNode::number() const {
   if (!value_->is_number()) refuse("a number");
   const double result = value_->get<double>();

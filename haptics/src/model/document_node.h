@@ -37,6 +37,8 @@ class DocumentNode {
   /// Nullopt if there is no such member.
   [[nodiscard]] std::optional<DocumentNode> find(const char* key) const;
   [[nodiscard]] std::vector<DocumentNode> items() const;
+  /// Of the members of an object.
+  [[nodiscard]] std::vector<std::string> names() const;
 
   /// Finite and at most `kLargestNumber` in size.
   [[nodiscard]] double number() const;

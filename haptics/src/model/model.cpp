@@ -8,8 +8,8 @@
 #include <unordered_set>
 
 #include "palpate/core/error.h"
-#include "palpate/haptics/rotation.h"
 #include "palpate/core/require.h"
+#include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
 namespace {

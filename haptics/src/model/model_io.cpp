@@ -14,8 +14,8 @@
 #include "model/field_document_format.h"
 #include "model/surface_response_file.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/mesh_io.h"
 #include "palpate/core/output_file.h"
+#include "palpate/geometry/mesh_io.h"
 
 namespace palpate::haptics {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "fit/convex_fit.h"
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/rounding.h"
-#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/geodesic_distance.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/geodesic_distance.h"
 
 namespace palpate::haptics {
 namespace {

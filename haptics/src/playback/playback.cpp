@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/mesh_measures.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "playback/slip_search.h"
 #include "playback/surface_side.h"
 
@@ -75,22 +75,16 @@ struct Playback::Impl {
 };
 
 Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
-    : options(given),
+    : options(in_range(given)),
       field(field_of(model, given.unknown_friction)),
       side(model.surface, field.blended().surface()),
       normals(geometry::triangle_normals(model.surface)),
       unknown_friction_count(haptics::unknown_friction_count(model)) {
-  require("PlaybackOptions::tolerance", options.tolerance, above(0).finite(), "N");
-  require("PlaybackOptions::energy_credit", options.energy_credit, at_least(0), "N mm");
-  require("PlaybackOptions::unknown_friction", options.unknown_friction, at_least(0).finite());
-  require("PlaybackOptions::largest_jump", options.largest_jump, above(0), "N");
-  require("PlaybackOptions::start_depth", options.start_depth, at_least(0), "mm");
-  require("PlaybackOptions::longest_step", options.longest_step, above(0), "mm");
-  require("PlaybackOptions::hold_ticks", options.hold_ticks, at_least(0));
   if (!model.rate.empty() && options.motion != ContactMotion::bracketed) {
-    throw InvalidInput(
-        "PlaybackOptions::motion: the model's forces depend on the rate, which only 'bracketed' "
-        "takes into account");
+    throw InvalidInput(std::vector<MessagePart>{
+        {"PlaybackOptions::motion", true},
+        {": the model's forces depend on the rate, which only 'bracketed' takes "
+         "into account"}});
   }
   reach.center = geometry::bounding_box(model.surface).center();
   for (const int v : model.surface.triangles.reshaped()) {

@@ -8,8 +8,8 @@
 #include <numeric>
 #include <utility>
 
-#include "palpate/geometry/median.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/median.h"
 #include "samples/nearest_contacts.h"
 #include "samples/pressing_stack.h"
 

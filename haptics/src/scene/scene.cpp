@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "palpate/core/error.h"
-#include "palpate/haptics/rotation.h"
 #include "palpate/core/require.h"
+#include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
 namespace {

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <utility>
 
+#include "model/document_fields.h"
 #include "model/document_node.h"
 #include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
@@ -94,10 +95,13 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
   if (tools.empty()) root.at("tools").refuse("at least one tool");
   for (std::size_t i = 0; i < objects.size(); ++i) {
     refuse_others(part.value["objects"][i], "/objects/" + std::to_string(i),
-                  {"name", "model", "pose", "path"});
+                  {"name", "model", "pose", "path", "playback"});
     scene.objects.push_back(name_of(objects[i], object_names));
     scene.models.push_back(folder / objects[i].at("model").text());
     scene.motion.objects.push_back(path_of(objects[i], scene, folder));
+    scene.playback.emplace_back();
+    if (const auto playback = objects[i].find("playback"))
+      read_fields(*playback, fields_of(scene.playback.back()));
   }
   for (std::size_t i = 0; i < tools.size(); ++i) {
     refuse_others(part.value["tools"][i], "/tools/" + std::to_string(i), {"name", "trajectory"});
@@ -139,11 +143,17 @@ SceneFile read_scene(const std::filesystem::path& path) {
 
 Scene make_scene(const SceneFile& file,
                  const std::function<Model(const std::filesystem::path& folder)>& read_folder) {
-  std::map<std::filesystem::path, std::shared_ptr<const Playback>> read;
   std::vector<SceneObject> objects;
   for (std::size_t i = 0; i < file.objects.size(); ++i) {
-    std::shared_ptr<const Playback>& playback = read[file.models[i].lexically_normal()];
-    if (!playback) playback = std::make_shared<const Playback>(read_folder(file.models[i]));
+    const auto is_same = [&](std::size_t j) {
+      return file.models[j].lexically_normal() == file.models[i].lexically_normal() &&
+             file.playback[j] == file.playback[i];
+    };
+    std::size_t same = 0;
+    while (same < i && !is_same(same)) ++same;
+    const std::shared_ptr<const Playback> playback =
+        same < i ? objects[same].playback
+                 : std::make_shared<const Playback>(read_folder(file.models[i]), file.playback[i]);
     objects.push_back({file.objects[i], playback});
   }
   return Scene(std::move(objects), file.options);

@@ -12,8 +12,8 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/probing/csv.h"
 #include "palpate/core/require.h"
+#include "palpate/probing/csv.h"
 
 namespace palpate::haptics {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <utility>
 
+#include "palpate/core/require.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/probing/specimen_response.h"
-#include "palpate/core/require.h"
 #include "records/record_hash.h"
 
 namespace palpate::probing {

@@ -11,8 +11,8 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/probing/measurable.h"
 #include "palpate/core/require.h"
+#include "palpate/probing/measurable.h"
 
 namespace palpate::probing {
 namespace {

@@ -19,8 +19,8 @@
 #include "import/import_columns.h"
 #include "import/series_fields.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/mesh_io.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/mesh_io.h"
 
 namespace palpate::probing {
 namespace {

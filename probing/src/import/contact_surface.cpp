@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/facing_share.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/facing_share.h"
 
 namespace palpate::probing {
 namespace {

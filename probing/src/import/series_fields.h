@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "palpate/probing/press_series.h"
 #include "palpate/core/require.h"
+#include "palpate/probing/press_series.h"
 
 namespace palpate::probing {
 

@@ -10,14 +10,14 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 #include "palpate/geometry/farthest_points.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/core/parallel_for.h"
 #include "palpate/probing/measurable.h"
-#include "palpate/core/require.h"
 #include "records/record_hash.h"
 
 namespace palpate::probing {

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "palpate/core/error.h"
-#include "palpate/probing/measurable.h"
 #include "palpate/core/require.h"
+#include "palpate/probing/measurable.h"
 
 namespace palpate::probing {
 namespace {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "palpate/probing/closed_form.h"
 #include "palpate/core/require.h"
+#include "palpate/probing/closed_form.h"
 
 namespace palpate::probing {
 

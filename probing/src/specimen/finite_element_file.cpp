@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/probing/finite_element_specimen.h"
 #include "palpate/core/require.h"
+#include "palpate/probing/finite_element_specimen.h"
 
 namespace palpate::probing {
 namespace {

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/surface_query.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/surface_query.h"
 #include "specimen/finite_vector.h"
 
 namespace palpate::probing {

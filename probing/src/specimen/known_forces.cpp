@@ -12,10 +12,10 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/geodesic_distance.h"
-#include "palpate/geometry/mesh_topology.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::probing {
 namespace {

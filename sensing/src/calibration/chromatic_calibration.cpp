@@ -17,8 +17,8 @@
 #include "calibration/white_view.h"
 #include "image/hue.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/median.h"
 #include "palpate/sensing/pattern_image.h"
 #include "phase/chromatic.h"
 

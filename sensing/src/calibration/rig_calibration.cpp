@@ -16,8 +16,8 @@
 #include "calibration/rig_fit.h"
 #include "calibration/rig_move.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/median.h"
 
 namespace palpate::sensing {
 namespace {

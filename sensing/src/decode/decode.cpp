@@ -135,7 +135,7 @@ struct Decoder::Impl {
 
 Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
                     const DecodeOptions& the_options)
-    : options((check_options(the_options), the_options)),
+    : options(in_range(the_options)),
       camera(rig.camera),
       model(decoded_rig(rig, pattern, options.half_resolution), pattern),
       rig_deviation(model.rig(), pattern.axis, model.carrier(), model.rows(), model.columns()),

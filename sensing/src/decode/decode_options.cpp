@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decode/decode_options.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 #include "decode/decoder_geometry.h"
 #include "image/half_size.h"
@@ -20,23 +22,89 @@ namespace {
 /// sinusoid off the carrier.
 constexpr double kLeastHalfPeriod = 3;
 
+constexpr std::array<std::string_view, 2> kSegmentations{"flood", "snakes"};
+constexpr std::array<TableField::Column, 3> kAnchor{
+    {{"u_px", finite()}, {"v_px", finite()}, {"z", above(0).finite()}}};
+
+TableField::Rows rows_of(const std::vector<Anchor>& anchors) {
+  TableField::Rows rows;
+  for (const Anchor& anchor : anchors) rows.push_back({anchor.u_px, anchor.v_px, anchor.z});
+  return rows;
+}
+
+std::vector<Anchor> anchors_of(const TableField::Rows& rows) {
+  std::vector<Anchor> anchors;
+  for (const std::vector<double>& row : rows) anchors.push_back({row[0], row[1], row[2]});
+  return anchors;
+}
+
 }  // namespace
 
-void check_options(const DecodeOptions& options) {
-  require("DecodeOptions::window_periods", options.window_periods, at_least(1.25).at_most(8));
-  require("DecodeOptions::min_signal", options.min_signal, above(0).below(1));
-  require("DecodeOptions::min_modulation", options.min_modulation, above(0).below(1));
-  require("DecodeOptions::max_phase_sigma", options.max_phase_sigma, above(0).finite(), "rad");
-  require("DecodeOptions::min_hue_step", options.min_hue_step, above(0).below(std::numbers::pi),
-          "rad");
-  require("DecodeOptions::color_window_px", options.color_window_px, at_least(1), "px");
-  require("DecodeOptions::min_color_score", options.min_color_score, above(0).below(1));
-  require("DecodeOptions::max_phase_variance", options.max_phase_variance, above(0).finite(),
-          "rad^2");
-  require("DecodeOptions::max_phase_step", options.max_phase_step, above(0).below(std::numbers::pi),
-          "rad");
-  require("DecodeOptions::min_agreement", options.min_agreement, above(0.5).at_most(1));
-  require("DecodeOptions::max_sensitivity", options.max_sensitivity, above(0).finite());
+void visit(DecodeOptions& options, FieldVisitor& visitor) {
+  constexpr double kPi = std::numbers::pi;
+  visitor.begin("DecodeOptions");
+  visitor.real({"window_periods",
+                "Length of the demodulation window: a longer window has less noise, a shorter one "
+                "resolves finer relief and measures closer to edges",
+                "periods of the sinusoid"},
+               options.window_periods, at_least(1.25).at_most(8));
+  visitor.flag({"half_resolution",
+                "Decode at half the size of the frames, which is several times faster; the range "
+                "maps and their camera have that size, and the sinusoid needs 6 px per period"},
+               options.half_resolution);
+  visitor.choice(
+      {"segmentation",
+       "Method for finding smooth regions: flood, or snakes (thesis 3.3.4), which bridge "
+       "gaps in the borders of regions but are slower"},
+      options.segmentation, kSegmentations);
+  visitor.table(
+      {.name = "anchors",
+       .description =
+           "Pixels [px] whose depth z [mm] is known, needed by a pattern without "
+           "stripes: one on each surface, away from edges; only their surfaces get depths",
+       .item = "anchor"},
+      {rows_of(options.anchors), kAnchor,
+       [&options](const TableField::Rows& rows) { options.anchors = anchors_of(rows); }});
+
+  constexpr bool kExpert = true;
+  visitor.real({"min_signal", "A pixel is lit from this light of the projector on", "of full scale",
+                kExpert},
+               options.min_signal, above(0).below(1));
+  visitor.real({"min_modulation", "A phase is used from this amplitude of the sinusoid on",
+                "of full scale", kExpert},
+               options.min_modulation, above(0).below(1));
+  visitor.real({"max_phase_sigma",
+                "A phase is used up to this standard deviation, which the noise of the frame and "
+                "the misfit of the sinusoid predict",
+                "rad", kExpert},
+               options.max_phase_sigma, above(0).finite());
+  visitor.real({"min_hue_step", "A stripe edge is where the hue changes by at least this per pixel",
+                "rad", kExpert},
+               options.min_hue_step, above(0).below(kPi));
+  visitor.whole({"color_window_px",
+                 "Pixels on each side of a stripe edge that classify its colours; fewer in narrow "
+                 "stripes",
+                 "px", kExpert},
+                options.color_window_px, at_least(1));
+  visitor.real({"min_color_score",
+                "A side of a stripe edge is trusted from this mean probability of its colour on",
+                "", kExpert},
+               options.min_color_score, above(0).below(1));
+  visitor.real({"max_phase_variance", "Smooth regions consist of pixels up to this variance",
+                "rad^2", kExpert},
+               options.max_phase_variance, above(0).finite());
+  visitor.real({"max_phase_step", "Regions are split where the phase steps by more per pixel",
+                "rad", kExpert},
+               options.max_phase_step, above(0).below(kPi));
+  visitor.real({"min_agreement",
+                "A phase offset is accepted if this share of the stripe edges agrees on it, and a "
+                "depth if this share of the colours around it does",
+                "", kExpert},
+               options.min_agreement, above(0.5).at_most(1));
+  visitor.real({"max_sensitivity",
+                "A depth z is kept if it changes by at most this share of z per rad of phase",
+                "1/rad", kExpert},
+               options.max_sensitivity, above(0).finite());
 }
 
 void check_anchors(const std::vector<Anchor>& anchors, const Pattern& pattern,

@@ -8,9 +8,6 @@
 
 namespace palpate::sensing {
 
-/// \throws InvalidInput if an option is outside its range; anchors are checked apart.
-void check_options(const DecodeOptions& options);
-
 /// \throws InvalidInput if an anchor is not in the image or in front of the camera, if the pattern
 /// has stripes and there are anchors, or if it has neither.
 void check_anchors(const std::vector<Anchor>& anchors, const Pattern& pattern,

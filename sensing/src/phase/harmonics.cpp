@@ -16,8 +16,8 @@
 
 #include "image/image_plane.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/median.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/mesh_measures.h"
 #include "palpate/core/require.h"
+#include "palpate/geometry/mesh_measures.h"
 
 namespace palpate::sensing {
 namespace {

@@ -13,19 +13,8 @@
 #include <sstream>
 #include <string>
 
-#include "palpate/core/error.h"
-
 namespace palpate::apps {
 namespace {
-
-TEST(DecodeInput, AnchorsAreTriples) {
-  const auto anchors = anchors_of({1, 2, 700, 3, 4, 800});
-  ASSERT_EQ(anchors.size(), 2U);
-  EXPECT_EQ(anchors[1].v_px, 4);
-  EXPECT_EQ(anchors[1].z, 800);
-  EXPECT_TRUE(anchors_of({}).empty());
-  EXPECT_THROW((void)anchors_of({1, 2, 700, 3}), InvalidInput);
-}
 
 /// A sinusoid of 20 px down the image, as a display with this gamma shows it.
 cv::Mat sinusoid(double gamma) {

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "measure.h"
+#include "palpate/core/output_file.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/realignment.h"
-#include "palpate/core/output_file.h"
 #include "peers.h"
 #include "pressing.h"
 #include "shapes.h"

@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/core/parallel_for.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/left_out_contact.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/core/parallel_for.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/specimen_response.h"
 #include "scratch_folder.h"

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "throws_message.h"
 #include "palpate/core/error.h"
+#include "throws_message.h"
 
 namespace palpate {
 namespace {

@@ -24,8 +24,8 @@
 #include <vector>
 
 #include "full_disk.h"
-#include "throws_message.h"
 #include "palpate/core/error.h"
+#include "throws_message.h"
 
 namespace palpate {
 namespace {

@@ -16,9 +16,9 @@
 
 #include "file_testing.h"
 #include "palpate/core/error.h"
+#include "palpate/core/memory_limit.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
-#include "palpate/core/memory_limit.h"
 #include "refusal.h"
 
 namespace palpate::geometry {
@@ -94,16 +94,16 @@ TEST(Memory, OfContentThatIsCompressedBeyondTheLimitIsRefused) {
   const ScratchFolder folder;
   const std::string path = folder / "plain.tiff";
   TIFF* file = TIFFOpen(path.c_str(), "w");
-  constexpr std::uint32_t kWidth = 12000, kHeight = 6000;  // 72 million pixels, 576 MB
-  TIFFSetField(file, TIFFTAG_IMAGEWIDTH, kWidth);
-  TIFFSetField(file, TIFFTAG_IMAGELENGTH, kHeight);
+  constexpr std::uint32_t kColumns = 12000, kRows = 6000;  // 72 million pixels, 576 MB
+  TIFFSetField(file, TIFFTAG_IMAGEWIDTH, kColumns);
+  TIFFSetField(file, TIFFTAG_IMAGELENGTH, kRows);
   TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, 32);
   TIFFSetField(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
   TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, 1);
   TIFFSetField(file, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
-  constexpr std::uint32_t kRows = 10;
-  TIFFSetField(file, TIFFTAG_ROWSPERSTRIP, kRows);
-  std::vector<float> strip(std::size_t{kRows} * kWidth, 0.0F);
+  constexpr std::uint32_t kStrip = 10;
+  TIFFSetField(file, TIFFTAG_ROWSPERSTRIP, kStrip);
+  std::vector<float> strip(std::size_t{kStrip} * kColumns, 0.0F);
   // It is refused before the other strips are missed.
   TIFFWriteEncodedStrip(file, 0, strip.data(), static_cast<tmsize_t>(strip.size() * sizeof(float)));
   TIFFClose(file);

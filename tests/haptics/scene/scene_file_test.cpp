@@ -62,6 +62,28 @@ TEST_F(SceneFileTest, SaysWhatIsWhere) {
   EXPECT_EQ(play(made, read.motion).tools[0].back().object, 2);
 }
 
+TEST_F(SceneFileTest, PlaysEachObjectAsItSays) {
+  scene["objects"][2]["playback"] = {{"tolerance", 1e-3}, {"motion", "brent"}, {"hold_ticks", 3}};
+  const SceneFile read = read_scene(file());
+  EXPECT_EQ(read.playback[0], PlaybackOptions{});
+  EXPECT_EQ(read.playback[2], (PlaybackOptions{.motion = ContactMotion::brent,
+                                               .tolerance = 1e-3,
+                                               .hold_ticks = 3}));
+  // The objects 0 and 2 have one model.
+  const Scene made = make_scene(read);
+  EXPECT_NE(made.objects()[0].playback, made.objects()[2].playback);
+
+  const auto refused_with = [&](const json& playback) {
+    scene["objects"][2]["playback"] = playback;
+    return refused();
+  };
+  EXPECT_THAT(refused_with({{"tolerance", 0}}),
+              HasSubstr("at /objects/2/playback/tolerance: found 0, expected a number > 0"));
+  EXPECT_THAT(refused_with({{"hold_ticks", 1.5}}), HasSubstr("expected a whole number"));
+  EXPECT_THAT(refused_with({{"motion", "newton"}}), HasSubstr("\"friction_boundary\""));
+  EXPECT_THAT(refused_with({{"speed", 1}}), HasSubstr("expected only unknown_friction"));
+}
+
 TEST_F(SceneFileTest, DefaultsAreThoseOfTheLibrary) {
   for (const char* member : {"near_tools", "closest_tools", "fade_ticks", "rate"})
     scene.erase(member);

@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace palpate {
 
@@ -12,9 +16,25 @@ struct Error : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A piece of a message: a text, or the name of a field of options, "DecodeOptions::min_signal".
+struct MessagePart {
+  std::string text;
+  bool is_field = false;
+};
+
 /// An argument or a value that the caller can correct.
 struct InvalidInput : Error {
   using Error::Error;
+
+  /// A message that names fields of options. Its text has their C++ names.
+  explicit InvalidInput(std::vector<MessagePart> parts);
+
+  /// The message with the names that a front end has for the fields, such as "--min-signal".
+  [[nodiscard]] std::string with_names(
+      const std::function<std::string(const std::string& field)>& name_of) const;
+
+ private:
+  std::shared_ptr<const std::vector<MessagePart>> parts_;  // copies of an exception must not throw
 };
 
 /// A file that cannot be read: missing, empty, truncated, or not in the expected format.

@@ -48,6 +48,9 @@ struct Interval {
 /// pi/2 have their names.
 [[nodiscard]] std::string to_string(const Interval& range);
 
+/// What a message says of a value outside its range: "is -1 mm; it must be > 0".
+[[nodiscard]] std::string refusal(double value, const Interval& range, std::string_view unit = {});
+
 /// Checks an argument or an option. The message has one form everywhere:
 /// "DecodeOptions::min_signal is -1; it must be in (0, 1)".
 /// \param name of the argument, or of the field with its struct or its place in a file

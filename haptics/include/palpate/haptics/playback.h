@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/contact_motion.h"
 #include "palpate/haptics/packed_field.h"
@@ -43,33 +44,22 @@ enum class ContactMotion {
   friction_boundary  ///< by the tool's way beyond the friction boundary: `slip_by_boundary`
 };
 
+/// The meaning, unit and range of each field stand in its list, `visit`, which docs/options.md
+/// shows.
 struct PlaybackOptions {
   ContactMotion motion = ContactMotion::bracketed;
-  /// [N] > 0. A contact holds while |f_T| - mu f_N is at most this, and a slip ends there.
   double tolerance = 2e-4;
-  /// [N mm] >= 0, only with `bracketed`: limits the work that the object does on the user from
-  /// touch to release. A slip that would take more ends early, beyond the friction cone. Where the
-  /// contact must go to a place that stores more, as in a sharp groove, the object has only the
-  /// share of its force and energy that the user has put in. Eq 5.17 alone returns up to 12 N mm on
-  /// a fitted sheet where mu <= 0.2, and nothing from 0.5 on; infinity keeps to it. A later touch
-  /// has what is left of the credit, and a tenth of it at least. See docs/trade-playback.md.
   double energy_credit = 0.04;
-  /// >= 0. Coefficient of contacts whose friction is unknown (`has_unknown_friction`). Such objects
-  /// were mostly only pressed; their stiffness across the pressing is an assumption as well.
-  /// Frictionless, nothing of it is felt: the force is the one that was measured.
   double unknown_friction = 0;
-  /// [N] > 0. In one tick the force changes by at most this, and by the largest stiffness of a
-  /// contact times the tool's movement. Only jumps are longer: at the border, at a start inside.
   double largest_jump = 0.1;
-  /// [mm] >= 0. A tool that is this far inside when the loop starts touches the nearest point of
-  /// the surface; deeper ones start free.
   double start_depth = 20;
-  /// [mm] > 0. A longer movement in one tick is taken for a fault of the device.
   double longest_step = 50;
-  /// >= 0. So many faulty ticks keep the contact while the force decays to zero; after them the
-  /// contact is forgotten, and the loop starts again with the next position.
   int hold_ticks = 20;
+
+  bool operator==(const PlaybackOptions&) const = default;
 };
+
+void visit(PlaybackOptions& options, FieldVisitor& visitor);
 
 /// The state of the haptic loop between two ticks, of one `Playback`; another one starts afresh.
 struct LoopState {

@@ -17,6 +17,7 @@ namespace palpate::haptics {
 struct SceneFile {
   std::vector<std::string> objects, tools;    ///< names
   std::vector<std::filesystem::path> models;  ///< folder of each object
+  std::vector<PlaybackOptions> playback;      ///< of each object
   /// File of each tool. Empty: a device moves the tool; its way is one place, the origin.
   std::vector<std::filesystem::path> trajectories;
   std::vector<std::filesystem::path> sources;  ///< all files that were read
@@ -25,14 +26,15 @@ struct SceneFile {
 };
 
 /// Reads a scene: a JSON object with `objects` (each with `name`, `model` and either `pose`, the 12
-/// numbers of a 3 x 4 matrix row by row, or `path`, a file for `read_pose_path`), `tools` (each
-/// with `name` and, unless a device moves it, `trajectory`, a file for `read_trajectory_file`), and
-/// optionally `near_tools`,
+/// numbers of a 3 x 4 matrix row by row, or `path`, a file for `read_pose_path`, and optionally
+/// `playback`, an object of fields of `PlaybackOptions`), `tools` (each with `name` and, unless a
+/// device moves it, `trajectory`, a file for `read_trajectory_file`), and optionally `near_tools`,
 /// `closest_tools` [mm], `fade_ticks` and `rate` [Hz]. docs/devices.md has an example.
 /// \throws FileError naming the file, the member, what is wrong with it and what would be right.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& path);
 
-/// The scene with the models of the file, each read once. \throws FileError as `read_model`.
+/// The scene with the models of the file, each read once for the same playback. \throws FileError
+/// as `read_model`.
 [[nodiscard]] Scene make_scene(
     const SceneFile& file,
     const std::function<Model(const std::filesystem::path& folder)>& read_folder = read_model);

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/core/error.h"
+#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/approach_signal.h"
 #include "palpate/probing/arm.h"
 #include "palpate/probing/contact_detection.h"

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <utility>
 
-#include "palpate/geometry/eigen_alignment.h"
 #include "palpate/core/error.h"
+#include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::probing {
 

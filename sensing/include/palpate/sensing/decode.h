@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/pattern.h"
@@ -28,44 +29,26 @@ enum class Segmentation {
   snakes  ///< growing snakes (thesis 3.3.4), which bridge gaps in region borders; slower
 };
 
+/// The meaning, unit and range of each field stand in its list, `visit`, which docs/options.md
+/// shows.
 struct DecodeOptions {
-  /// Length of the demodulation window, in periods of the sinusoid in the camera image; in
-  /// [1.25, 8]. A longer window has less noise; a shorter one resolves finer relief and measures
-  /// closer to edges.
   double window_periods = 2;
-  /// Decodes the frame at half its size (an odd last row or column is left out), which is several
-  /// times faster. The range map and all other results have half the size, and the camera matches.
-  /// The sinusoid must then have at least 3 px per period.
   bool half_resolution = false;
-  /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.02;
-  /// Its phase is used iff the sinusoid's amplitude >= min_modulation of full scale, in (0, 1), ...
   double min_modulation = 0.01;
-  /// ... and its standard deviation, as the noise of the frame and the misfit of the sinusoid
-  /// predict it, <= max_phase_sigma [rad]; > 0.
   double max_phase_sigma = 0.25;
-  /// A stripe edge is a place where the hue changes by >= min_hue_step per pixel [rad]; in (0, pi).
   double min_hue_step = 0.08;
-  /// Pixels on each side of an edge that classify its colours; fewer in narrow stripes; >= 1.
   int color_window_px = 5;
-  /// A side is trusted iff the mean probability of its colour >= min_color_score; in (0, 1).
   double min_color_score = 0.7;
-  /// Smooth regions consist of pixels with phase variance <= max_phase_variance [rad^2]; > 0.
   double max_phase_variance = 0.01;
-  /// Regions are split where the phase steps by > max_phase_step per pixel [rad]; in (0, pi).
   double max_phase_step = 1.5;
   Segmentation segmentation = Segmentation::flood;
-  /// A phase offset is accepted iff this share of the stripe edges agrees on it, and a depth iff
-  /// this share of the colours around it agrees with it; in (0.5, 1].
   double min_agreement = 0.8;
-  /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
   double max_sensitivity = 0.1;
-  /// Required for a pattern without stripes, and forbidden otherwise. Only the regions of the
-  /// anchors are reconstructed; they end where the sinusoid fits badly, as at the borders of
-  /// surfaces. Anchors that contradict each other divide a region where it may have a step; on one
-  /// smooth surface they are an error.
   std::vector<Anchor> anchors = {};
 };
+
+void visit(DecodeOptions& options, FieldVisitor& visitor);
 
 /// Depths of a frame, and the outcome of each pixel.
 struct DecodeResult {

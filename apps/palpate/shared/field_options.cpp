@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/field_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "palpate/core/field_text.h"
+#include "shared/call_checks.h"
+
+namespace palpate::apps {
+namespace {
+
+std::string name_of(const auto& field) {
+  return option_name(field.item.empty() ? field.name : field.item);
+}
+
+class OptionMaker : public FieldVisitor {
+ public:
+  explicit OptionMaker(CLI::App& command) : command_(command) {}
+
+  std::vector<CLI::Option*> made;
+
+  void begin(std::string_view /*type*/) override {}
+
+ private:
+  void on_real(const Field& field, const NumberField<double>& value) override {
+    add_number(field, value);
+  }
+  void on_whole(const Field& field, const NumberField<int>& value) override {
+    add_number(field, value);
+  }
+  void on_flag(const Field& field, bool /*value*/, const std::function<void(bool)>& set) override {
+    keep(field, command_.add_flag_callback(
+                    option_name(field.name), [set] { set(true); }, text_of(field)));
+  }
+  void on_choice(const Field& field, const ChoiceField& value) override {
+    const std::vector<std::string> words(value.words.begin(), value.words.end());
+    CLI::Option* option = command_.add_option_function<std::string>(
+        option_name(field.name),
+        [words, set = value.set](const std::string& word) {
+          set(static_cast<std::size_t>(std::ranges::find(words, word) - words.begin()));
+        },
+        text_of(field));
+    option->check(one_of(words));
+    if (value.value) option->default_str(words[*value.value]);
+    keep(field, option);
+  }
+  void on_table(const Field& field, const TableField& value) override {
+    std::string names;
+    for (const auto& column : value.columns)
+      names += (names.empty() ? "" : ",") + std::string(column.name);
+    const std::string name = name_of(field);
+    const auto take = [set = value.set, width = value.columns.size(), name,
+                       names](const std::vector<double>& numbers) {
+      if (numbers.size() % width != 0) {
+        throw InvalidInput(fmt::format("{}: {} are {} numbers each time; there are {} in all", name,
+                                       names, width, numbers.size()));
+      }
+      TableField::Rows rows;
+      for (std::size_t i = 0; i < numbers.size(); i += width)
+        rows.emplace_back(&numbers[i], &numbers[i] + width);
+      set(rows);
+    };
+    CLI::Option* option = command_.add_option_function<std::vector<double>>(
+        name, take, names + ": " + text_of(field));
+    option->expected(static_cast<int>(value.columns.size()))->take_all()->delimiter(',');
+    keep(field, option);
+  }
+
+  template <typename Number>
+  void add_number(const Field& field, const NumberField<Number>& value) {
+    CLI::Option* option = command_.add_option_function<Number>(
+        option_name(field.name), [set = value.set](const Number& given) { set(given); },
+        text_of(field));
+    option->check(within(value.range));
+    if (value.value) option->default_str(fmt::format("{}", *value.value));
+    keep(field, option);
+  }
+
+  static std::string text_of(const Field& field) {
+    return std::string(field.description) +
+           (field.unit.empty() ? "" : " [" + std::string(field.unit) + "]");
+  }
+
+  void keep(const Field& field, CLI::Option* option) {
+    if (field.expert) option->group(kExpertOptions);
+    made.push_back(option);
+  }
+
+  CLI::App& command_;
+};
+
+/// The innermost subcommand that was called.
+const CLI::App& called(const CLI::App& app) {
+  const std::vector<CLI::App*> inner = app.get_subcommands();
+  return inner.empty() ? app : called(*inner.front());
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields) {
+  OptionMaker maker(command);
+  fields(maker);
+  return maker.made;
+}
+
+nlohmann::ordered_json option_values(const FieldList& fields) {
+  nlohmann::ordered_json values;
+  for (const FieldText& field : texts_of(fields)) values[name_of(field)] = field.text;
+  return values;
+}
+
+std::string changed_options(const FieldList& fields, const FieldList& usual) {
+  const std::vector<FieldText> now = texts_of(fields), before = texts_of(usual);
+  std::string words;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (now[i].text == before[i].text) continue;
+    const std::string option = " " + name_of(now[i]);
+    if (now[i].is_flag) {
+      words += option;
+      continue;
+    }
+    // Each row of a table is given apart.
+    std::istringstream rows(now[i].text);
+    for (std::string row; std::getline(rows, row, ';');) words += option + " " + row;
+  }
+  return words;
+}
+
+std::string option_name(std::string_view field) {
+  std::string name = "--" + std::string(field);
+  std::ranges::replace(name, '_', '-');
+  return name;
+}
+
+std::string with_option_names(const InvalidInput& error, const CLI::App& app) {
+  const CLI::App& command = called(app);
+  return error.with_names([&](const std::string& field) {
+    const std::size_t type = field.rfind("::");
+    if (type == std::string::npos) return field;  // an argument, or a place in a file
+    const std::string member = field.substr(type + 2);
+    const std::string option = option_name(member.substr(0, member.find_first_of("[.")));
+    return command.get_option_no_throw(option) != nullptr ? option : member;
+  });
+}
+
+}  // namespace palpate::apps

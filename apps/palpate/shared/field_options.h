@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/core/fields.h"
+
+namespace palpate::apps {
+
+/// Group of the options that few users set: --help-all shows them, --help does not.
+constexpr const char* kExpertOptions = "Expert options";
+
+/// Adds an option for each field of a list: --min-signal for `min_signal`, checked as the list
+/// says. The struct must live as long as the command.
+/// \return the options, in the order of the fields.
+std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields);
+
+/// The values of all fields by their options, for the records of runs.
+[[nodiscard]] nlohmann::ordered_json option_values(const FieldList& fields);
+
+/// The options of a call that gives `fields` where they differ from `usual`, another list of the
+/// same struct: " --window-periods 3 --half-resolution".
+[[nodiscard]] std::string changed_options(const FieldList& fields, const FieldList& usual);
+
+/// The option of a field: "--min-signal" for "min_signal".
+[[nodiscard]] std::string option_name(std::string_view field);
+
+/// The message of an error, with the options of the command that was called in place of the fields
+/// of the library.
+[[nodiscard]] std::string with_option_names(const InvalidInput& error, const CLI::App& app);
+
+}  // namespace palpate::apps

@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "palpate/core/require.h"
+
+namespace palpate {
+
+/// What a list of fields says of one field, beside its value and its range.
+struct Field {
+  std::string_view name;  ///< as in C++ and Python, "min_signal"; on the command line --min-signal
+  /// One sentence for users, without the unit, the range and the default, which follow it.
+  std::string_view description;
+  std::string_view unit = {};  ///< "mm", "rad", "px"; empty: a plain number
+  bool expert = false;         ///< few users set it: --help-all shows it, and --help does not
+  /// For a list that the command line takes item by item: the name of one, "anchor" of "anchors".
+  std::string_view item = {};
+};
+
+/// The value of a field that is a number.
+template <typename Number>
+struct NumberField {
+  std::optional<Number> value;  ///< none: the field may be left out, and is
+  Interval range;
+  bool may_be_absent = false;
+  std::function<void(std::optional<Number>)> set;
+};
+
+/// The value of a field that is one of some words, by its place among them.
+struct ChoiceField {
+  std::optional<std::size_t> value;  ///< none: the field may be left out, and is
+  std::span<const std::string_view> words;
+  bool may_be_absent = false;
+  std::function<void(std::optional<std::size_t>)> set;
+};
+
+/// The value of a field that is a table: rows of numbers, such as points.
+struct TableField {
+  struct Column {
+    std::string_view name;
+    Interval range;
+  };
+  using Rows = std::vector<std::vector<double>>;
+
+  Rows value;
+  std::span<const Column> columns;
+  std::function<void(const Rows&)> set;
+};
+
+/// Whoever does something with each field of a struct: checks it, reads or writes it, or makes an
+/// option or a keyword argument of it.
+///
+/// A struct that users fill in has one list of its fields, a function beside it that calls a
+/// visitor for each in turn, and says once what its name, unit, range and meaning are:
+///
+///     void visit(DecodeOptions& options, FieldVisitor& visitor) {
+///       visitor.begin("DecodeOptions");
+///       visitor.real({"min_signal", "A pixel is lit if ...", "of full scale"}, options.min_signal,
+///                    above(0).below(1));
+///       ...
+///     }
+///
+/// A visitor may keep the functions that set fields: the struct must outlive it.
+class FieldVisitor {
+ public:
+  FieldVisitor() = default;
+  virtual ~FieldVisitor() = default;
+  FieldVisitor(const FieldVisitor&) = delete;
+  FieldVisitor& operator=(const FieldVisitor&) = delete;
+
+  /// Comes first.
+  /// \param type name of the struct, "DecodeOptions".
+  virtual void begin(std::string_view type) = 0;
+
+  void real(const Field& field, double& value, const Interval& range) {
+    on_real(field, {value, range, false, [&value](auto given) { value = *given; }});
+  }
+  void real(const Field& field, std::optional<double>& value, const Interval& range) {
+    on_real(field, {value, range, true, [&value](auto given) { value = given; }});
+  }
+  void whole(const Field& field, int& value, const Interval& range) {
+    on_whole(field, {value, range, false, [&value](auto given) { value = *given; }});
+  }
+  void whole(const Field& field, std::optional<int>& value, const Interval& range) {
+    on_whole(field, {value, range, true, [&value](auto given) { value = given; }});
+  }
+  void flag(const Field& field, bool& value) {
+    on_flag(field, value, [&value](bool given) { value = given; });
+  }
+  /// An enumeration whose values 0, 1, ... have these words.
+  template <typename Enum>
+  void choice(const Field& field, Enum& value, std::span<const std::string_view> words) {
+    on_choice(field, {static_cast<std::size_t>(value), words, false,
+                      [&value](auto chosen) { value = static_cast<Enum>(*chosen); }});
+  }
+  void table(const Field& field, const TableField& value) { on_table(field, value); }
+
+ private:
+  virtual void on_real(const Field& field, const NumberField<double>& value) = 0;
+  virtual void on_whole(const Field& field, const NumberField<int>& value) = 0;
+  virtual void on_flag(const Field& field, bool value, const std::function<void(bool)>& set) = 0;
+  virtual void on_choice(const Field& field, const ChoiceField& value) = 0;
+  virtual void on_table(const Field& field, const TableField& value) = 0;
+};
+
+/// The list of a struct, for functions that take those of any struct.
+using FieldList = std::function<void(FieldVisitor&)>;
+
+template <typename Struct>
+[[nodiscard]] FieldList fields_of(Struct& fields) {
+  return [&fields](FieldVisitor& visitor) { visit(fields, visitor); };
+}
+
+/// \throws InvalidInput that names the first field outside its range: "DecodeOptions::min_signal is
+/// -1; it must be in (0, 1)".
+void require_in_range(const FieldList& fields);
+
+/// The options as they are, once checked.
+/// \throws InvalidInput as `require_in_range`.
+template <typename Options>
+[[nodiscard]] Options in_range(Options options) {
+  require_in_range(fields_of(options));
+  return options;
+}
+
+}  // namespace palpate

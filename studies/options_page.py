@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/options.md: all options, as their lists in the libraries describe them, and where users set them.
+
+usage: options_page.py PALPATE PAGE        (PALPATE: the command; the Python module must be on the path)
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+import palpate
+from palpate import _palpate
+
+HEAD = """# Options
+
+The options of the library, struct by struct. Each field has the same name everywhere: `min_signal` in C++ and as a keyword
+argument in Python, `--min-signal` on the command line. `--help` shows the usual fields, `--help-all` also the *expert* ones,
+which few users need. A value outside its range is refused.
+
+This page is written by `./dev studies options_page`.
+"""
+
+
+def options_of_commands(program):
+    """Name of each command -> its options."""
+    def help_of(words, flag):
+        return subprocess.run([program, *words, flag], capture_output=True, text=True, check=True).stdout
+
+    commands, waiting = {}, [[]]
+    while waiting:
+        words = waiting.pop(0)
+        below = re.search(r"^Subcommands:\n((?:  .*\n)+)", help_of(words, "--help"), re.M)
+        if below:
+            waiting += [[*words, name] for name in re.findall(r"^  ([a-z]\w*)", below.group(1), re.M)]
+        else:
+            commands[" ".join(words)] = set(re.findall(r"--[a-z][a-z-]*", help_of(words, "--help-all")))
+    return commands
+
+
+def keywords_of_functions():
+    """Name of each function or class of the Python module -> its keyword arguments."""
+    found = {}
+    for name in palpate.__all__:
+        doc = getattr(getattr(palpate, name), "__init__", None) if isinstance(getattr(palpate, name), type) \
+            else getattr(palpate, name)
+        signature = re.match(r"\w+\((.*)\) -> ", getattr(doc, "__doc__", None) or "")
+        if signature and "*, " in signature.group(1):
+            found[name] = set(re.findall(r"(\w+): ", signature.group(1).split("*, ", 1)[1]))
+    return found
+
+
+def option(field):
+    return "--" + (field["item"] or field["name"]).replace("_", "-")
+
+
+def choices(field):
+    words = re.fullmatch(r"Literal\[(.*)\]", field["type"])
+    return words.group(1) if words else ""
+
+
+def doors(fields, commands, functions):
+    """The commands and the Python functions that take all these fields."""
+    options, names = {option(field) for field in fields}, {field["name"] for field in fields}
+    return ([name for name, known in commands.items() if options <= known],
+            [name for name, known in functions.items() if names <= known])
+
+
+def page(program):
+    commands, functions = options_of_commands(program), keywords_of_functions()
+    text = HEAD
+    for struct, fields in _palpate._option_lists():
+        by_command, by_function = doors(fields, commands, functions)
+        places = [f"`palpate {name}`" for name in by_command] + [f"`palpate.{name}` (Python)" for name in by_function]
+        text += f"\n## {struct}\n\nSet by {', '.join(places) or 'C++ alone'}.\n\n"
+        text += "| field | default | range | unit | meaning |\n|---|---|---|---|---|\n"
+        for field in fields:
+            expert = " *(expert)*" if field["expert"] else ""
+            meaning = field["description"].replace("|", "\\|")
+            text += f"| `{field['name']}` | {field['default']} | {field['range'] or choices(field)} | {field['unit']} | {meaning}{expert} |\n"
+    return text
+
+
+if __name__ == "__main__":
+    pathlib.Path(sys.argv[2]).write_text(page(sys.argv[1]))

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/field_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "palpate/haptics/playback.h"
+#include "palpate/sensing/decode.h"
+#include "shared/command_line.h"
+
+namespace palpate::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class FieldOptions : public ::testing::Test {
+ protected:
+  FieldOptions() {
+    show_shared_options(app);
+    app.set_help_all_flag("--help-all", "All");
+    command = app.add_subcommand("decode", "Decode");
+    add_fields(*command, fields_of(options));
+  }
+  void parse(const std::string& words) { app.parse("decode " + words); }
+  std::string refusal(const std::string& words) {
+    try {
+      parse(words);
+    } catch (const CLI::ParseError& error) {
+      return error.what();
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  sensing::DecodeOptions options;
+  CLI::App app{"Test", "palpate"};
+  CLI::App* command = nullptr;
+};
+
+TEST_F(FieldOptions, SetTheFieldsOfTheirNames) {
+  parse("--window-periods 3.5 --half-resolution --segmentation snakes --color-window-px 7");
+  EXPECT_EQ(options.window_periods, 3.5);
+  EXPECT_TRUE(options.half_resolution);
+  EXPECT_EQ(options.segmentation, sensing::Segmentation::snakes);
+  EXPECT_EQ(options.color_window_px, 7);
+  EXPECT_EQ(options.min_signal, sensing::DecodeOptions{}.min_signal);
+}
+
+TEST_F(FieldOptions, OfATableAreGivenRowByRow) {
+  parse("--anchor 1,2,700 --anchor 3,4,800.5");
+  ASSERT_EQ(options.anchors.size(), 2U);
+  EXPECT_EQ(options.anchors[0].z, 700);
+  EXPECT_EQ(options.anchors[1].u_px, 3);
+  EXPECT_EQ(options.anchors[1].z, 800.5);
+}
+
+TEST_F(FieldOptions, AreRefusedOutsideTheirRange) {
+  EXPECT_THAT(refusal("--window-periods 9"),
+              HasSubstr("--window-periods: is 9; it must be in [1.25, 8]"));
+  EXPECT_THAT(refusal("--window-periods nan"), HasSubstr("it must be in [1.25, 8]"));
+  EXPECT_THAT(refusal("--segmentation fire"), HasSubstr("it must be flood or snakes"));
+  EXPECT_THAT(refusal("--color-window-px 2.5"), HasSubstr("2.5"));
+  EXPECT_THAT(refusal("--anchor 1,2,700,4"), Not(HasSubstr("unknown")));
+  EXPECT_NE(refusal("--anchor 1,2,700,4"), "");
+}
+
+TEST_F(FieldOptions, OfExpertsAreInTheLongHelpAlone) {
+  const std::string usual = command->help("", CLI::AppFormatMode::Normal);
+  const std::string all = command->help("", CLI::AppFormatMode::All);
+  EXPECT_THAT(usual, HasSubstr("--window-periods"));
+  EXPECT_THAT(usual, HasSubstr("[periods of the sinusoid]"));
+  EXPECT_THAT(usual, Not(HasSubstr("--min-signal")));
+  EXPECT_THAT(all, HasSubstr("--min-signal"));
+  EXPECT_THAT(all, HasSubstr(kExpertOptions));
+}
+
+TEST_F(FieldOptions, NameTheFieldsInErrorsOfTheLibrary) {
+  parse("");
+  sensing::DecodeOptions wrong{.min_signal = 2};
+  try {
+    require_in_range(fields_of(wrong));
+    FAIL() << "nothing was thrown";
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(with_option_names(error, app),
+              "--min-signal is 2 of full scale; it must be in (0, 1)");
+  }
+  haptics::PlaybackOptions other{.hold_ticks = -1};
+  try {
+    require_in_range(fields_of(other));
+    FAIL() << "nothing was thrown";
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(with_option_names(error, app), "hold_ticks is -1 ticks; it must be >= 0")
+        << "the command has no such option";
+  }
+}
+
+TEST_F(FieldOptions, ThatDifferMakeACallThatSetsThem) {
+  sensing::DecodeOptions changed{
+      .window_periods = 2.5, .half_resolution = true, .anchors = {{1, 2, 700}, {3, 4, 800.5}}};
+  sensing::DecodeOptions usual;
+  const std::string words = changed_options(fields_of(changed), fields_of(usual));
+  EXPECT_EQ(words, " --window-periods 2.5 --half-resolution --anchor 1,2,700 --anchor 3,4,800.5");
+  parse(words);
+  EXPECT_EQ(option_values(fields_of(options)), option_values(fields_of(changed)));
+  EXPECT_EQ(changed_options(fields_of(usual), fields_of(usual)), "");
+}
+
+}  // namespace
+}  // namespace palpate::apps
