@@ -73,7 +73,15 @@ Arrays of contacts are copies, in the order of the contacts.)")
           "(T, 3) int32 triangles of contacts, between which forces are interpolated.")
       .def_readonly("probe_radius", &Model::probe_radius,
                     "[mm] of the ball with which the object was measured; None: not known.")
-      .def_readonly("made", &Model::made, "How it was made: sources, options, program (a copy).")
+      .def_property_readonly(
+          "triangulation",
+          [](const Model& model) { return geometry::to_string(model.triangulation); },
+          "The method that made the triangles: 'delaunay' or 'voronoi_dual'.")
+      .def_readonly(
+          "samples_fingerprint", &Model::samples_fingerprint,
+          "16 hexadecimal digits of the samples it was fitted to; None: of no acquisition.")
+      .def_readonly("made", &Model::made,
+                    "How it was made: sources, options, program (a copy). For people to read.")
       .def_property_readonly("unknown_friction", &haptics::unknown_friction_count,
                              "Number of contacts whose friction is unknown.")
       .def(

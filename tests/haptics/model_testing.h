@@ -17,6 +17,9 @@ namespace palpate::haptics {
 /// Everything but the surface and its weights.
 inline void expect_same_document(const Model& left, const Model& right) {
   EXPECT_EQ(left.triangles, right.triangles);
+  EXPECT_EQ(left.triangulation, right.triangulation);
+  EXPECT_EQ(left.samples_fingerprint, right.samples_fingerprint);
+  EXPECT_EQ(left.pressing_offsets, right.pressing_offsets);
   EXPECT_EQ(left.made, right.made);
   EXPECT_EQ(left.interpolation, right.interpolation);
   EXPECT_EQ(left.probe_radius, right.probe_radius);
@@ -80,6 +83,20 @@ inline Model some_model() {
   model.contacts[1].condition = 1e5 / 3;
   model.contacts[1].uncertainty = ContactUncertainty{0.01 / 3, 0.02 / 3, 0.4, 1e-4 / 3};
   model.noise = MeasurementNoise{0.0123, 0.02};
+  model.triangulation = geometry::ContactTriangulationMethod::voronoi_dual;
+  model.samples_fingerprint = "0123456789abcdef";
+  model.pressing_offsets = PressingOffsets{.force_found = true,
+                                           .touch_found = true,
+                                           .force = {0.1 / 3, -0.0, 0.2 / 3},
+                                           .force_error = {0.01 / 3, 0.02, 1e-3 / 7},
+                                           .along_direction = true,
+                                           .touch = -0.19 / 3,
+                                           .touch_error = 0.004 / 3,
+                                           .touch_spread = 0.06 / 7,
+                                           .height_slope = 2.9 / 3,
+                                           .height_slope_error = 0.1 / 3,
+                                           .hysteresis = -0.2 / 3,
+                                           .hysteresis_error = 0.02 / 3};
   model.contacts[2].field = {};
   model.contacts[3].field.bases[0].weight = -0.0;
   for (ContactModel& contact : model.contacts) contact = rounded(std::move(contact));

@@ -127,6 +127,8 @@ class Models(unittest.TestCase):
             np.testing.assert_array_equal(getattr(read, name), getattr(model, name), name)
         np.testing.assert_array_equal(read.surface.vertices, model.surface.vertices)
         self.assertEqual((read.made, read.unknown_friction), (model.made, 0))
+        self.assertEqual((read.triangulation, read.samples_fingerprint), ("delaunay", model.samples_fingerprint))
+        self.assertRegex(model.samples_fingerprint, "^[0-9a-f]{16}$")
         self.assertEqual(model.contacts.shape, (46, 3))
         np.testing.assert_array_equal(model.ids, sheet_acquisition().contact_ids)
 

@@ -157,21 +157,12 @@ Json rate_in_figures(const haptics::RateFit& found) {
 Json triple(const Eigen::Vector3d& value) { return {value.x(), value.y(), value.z()}; }
 
 Json pressing_in_figures(const haptics::PressingEstimate& found) {
-  const haptics::PressingOffsets& offsets = found.offsets;
-  return {{"force_noise", found.force_noise},
-          {"noise_estimated", found.noise_was_estimated},
-          {"force_offset", triple(offsets.force)},
-          {"force_offset_error", triple(offsets.force_error)},
-          {"along_pressing", offsets.along_direction},
-          {"touch_offset", offsets.touch},
-          {"touch_offset_error", offsets.touch_error},
-          {"touch_offset_spread", offsets.touch_spread},
-          {"surface_slope", offsets.height_slope},
-          {"surface_slope_error", offsets.height_slope_error},
-          {"hysteresis", offsets.hysteresis},
-          {"hysteresis_error", offsets.hysteresis_error},
-          {"lateral_ratio", found.lateral_ratio},
-          {"lateral_ratio_error", found.lateral_ratio_error}};
+  Json figures = {{"force_noise", found.force_noise},
+                  {"noise_estimated", found.noise_was_estimated}};
+  figures.update(offsets_in_figures(found.offsets));
+  figures["lateral_ratio"] = found.lateral_ratio;
+  figures["lateral_ratio_error"] = found.lateral_ratio_error;
+  return figures;
 }
 
 geometry::ErrorStatistics rms_of(const haptics::BuildResult& built) {
@@ -214,6 +205,19 @@ Json contact_figures(const haptics::ContactModel& contact, const haptics::Contac
 }
 
 }  // namespace
+
+Json offsets_in_figures(const haptics::PressingOffsets& offsets) {
+  return {{"force_offset", triple(offsets.force)},
+          {"force_offset_error", triple(offsets.force_error)},
+          {"along_pressing", offsets.along_direction},
+          {"touch_offset", offsets.touch},
+          {"touch_offset_error", offsets.touch_error},
+          {"touch_offset_spread", offsets.touch_spread},
+          {"surface_slope", offsets.height_slope},
+          {"surface_slope_error", offsets.height_slope_error},
+          {"hysteresis", offsets.hysteresis},
+          {"hysteresis_error", offsets.hysteresis_error}};
+}
 
 std::string contacts_in_words(const std::vector<long long>& contacts) {
   const std::span first(contacts.data(), std::min(contacts.size(), kNamed));

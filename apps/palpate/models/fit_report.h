@@ -20,6 +20,9 @@ void tell_build(const haptics::BuildResult& built);
 /// Whether contacts share a local part, or why not. The model must have tried that.
 [[nodiscard]] std::string sharing_in_words(const haptics::BuildResult& built);
 
+/// What was taken off the samples, for --json.
+[[nodiscard]] nlohmann::ordered_json offsets_in_figures(const haptics::PressingOffsets& offsets);
+
 /// One line for each contact.
 [[nodiscard]] std::string per_contact_in_words(const haptics::BuildResult& built);
 /// All contacts in one clause.

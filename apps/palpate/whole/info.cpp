@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "models/fit_report.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
@@ -170,6 +171,22 @@ std::string laws_in_words(const haptics::Model& model) {
   return prose;
 }
 
+// Of the acquisition that a model was fitted to, a line for each.
+std::string samples_in_words(const haptics::Model& model) {
+  std::string prose;
+  if (model.samples_fingerprint)
+    prose += fmt::format("\n  fitted to samples of the fingerprint {}", *model.samples_fingerprint);
+  if (model.pressing_offsets) {
+    const haptics::PressingOffsets& offsets = *model.pressing_offsets;
+    prose += fmt::format(
+        "\n  contacts were only pressed; taken off the samples: a force of ({:.4g}, {:.4g}, "
+        "{:.4g}) N, touches {:.3g} mm below the surface, and {:.3g} % less force on the way back",
+        offsets.force.x(), offsets.force.y(), offsets.force.z(), offsets.touch,
+        100 * offsets.hysteresis);
+  }
+  return prose;
+}
+
 Description describe_model(const fs::path& path) {
   const haptics::Model model = haptics::read_model(path);
   std::vector<double> bases, rms, friction;
@@ -188,6 +205,10 @@ Description describe_model(const fs::path& path) {
   const bool is_text = is_there(path / "field.json");
   const std::uintmax_t bytes = fs::file_size(path / (is_text ? "field.json" : "field.cbor"));
   const nlohmann::ordered_json made(model.made);
+  nlohmann::ordered_json fingerprint, offsets;
+  if (model.samples_fingerprint) fingerprint = *model.samples_fingerprint;
+  if (model.pressing_offsets) offsets = offsets_in_figures(*model.pressing_offsets);
+  const char* triangulation = geometry::to_string(model.triangulation);
   std::string prose = fmt::format(
       "model, {} in {}, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
@@ -208,6 +229,7 @@ Description describe_model(const fs::path& path) {
         "\n  the surface follows the tool as in {} recorded shapes, {:.2f} mm RMS from them",
         model.response->shape_contacts.size(), model.response->rms);
   }
+  prose += samples_in_words(model) + fmt::format("\n  triangulation: {}", triangulation);
   for (const auto& [key, value] : model.made) prose += fmt::format("\n  {}: {}", key, value);
   return {{{"kind", "model"},
            {"contacts", model.contacts.size()},
@@ -220,6 +242,9 @@ Description describe_model(const fs::path& path) {
            {"without_own_friction", without_friction},
            {"friction_lower_bounds", bounds},
            {"probe_radius", number_or_null(model.probe_radius)},
+           {"triangulation", triangulation},
+           {"samples_fingerprint", fingerprint},
+           {"pressing_offsets", offsets},
            {"rate_terms", model.rate.size()},
            {"shapes", model.response ? model.response->shape_contacts.size() : 0},
            {"encoding", is_text ? "json" : "cbor"},

@@ -14,7 +14,6 @@
 
 #include "build/contact_cones.h"
 #include "build/contact_fields.h"
-#include "build/made.h"
 #include "build/place_contacts.h"
 #include "build/pressing_rate.h"
 #include "build/pressing_records.h"
@@ -157,7 +156,7 @@ void estimate_pressed(const probing::CheckedAcquisition& acquisition,
   }
   for (std::size_t i = 0; i < contacts.size(); ++i)
     samples[i] = corrected(contacts[i], result.pressing->offsets, result.pressing->curves[i].touch);
-  store_offsets(result.pressing->offsets, result.model);
+  result.model.pressing_offsets = result.pressing->offsets;
 }
 
 // [N] What forces that were repeated show of their noise; 0: nothing.
@@ -344,9 +343,9 @@ Built build_with(const probing::CheckedAcquisition& acquisition,
                  const geometry::TriangleMesh& surface, const BuildOptions& options) {
   Built built;
   BuildResult& result = built.result;
-  result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition.records());
+  result.model.samples_fingerprint = probing::fingerprint(acquisition.records());
   result.model.probe_radius = acquisition.records().probe_radius;
-  result.model.made[kTriangulation] = geometry::to_string(options.triangulation);
+  result.model.triangulation = options.triangulation;
   const std::vector<std::size_t> probed = probed_contacts(acquisition, result);
   std::vector<probing::Contact> contacts;
   contacts.reserve(probed.size());

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "build/made.h"
 #include "build/pressing_rate.h"
 #include "build/pressing_records.h"
 #include "build/uncertainty.h"
@@ -45,14 +44,17 @@ constexpr Eigen::Index kMaxCandidates = 4000;
 // contacts. Further out the object may be held, and errors grow with the distance anyway.
 constexpr double kMaxBeyond = 0.5;
 
-// Models of earlier versions have no fingerprint of their samples.
 void check_same_samples(const Model& model, const probing::CheckedAcquisition& acquisition) {
-  const auto made_of = model.made.find(kSamplesFingerprint);
-  if (made_of == model.made.end()) return;
+  const std::optional<std::string>& fitted_to = model.samples_fingerprint;
+  if (!fitted_to) {
+    throw InvalidInput(
+        "leave_one_out(): the model does not say which samples it was fitted to; a model that was "
+        "scaled, transferred or merged was fitted to none. Pass the model as it was fitted");
+  }
   const std::string given = probing::fingerprint(acquisition.records());
-  if (made_of->second == given) return;
+  if (*fitted_to == given) return;
   throw InvalidInput("leave_one_out(): the acquisition holds other samples (fingerprint " + given +
-                     ") than the model was made of (" + made_of->second +
+                     ") than the model was made of (" + *fitted_to +
                      "): errors of prediction and of another measurement would be mixed up. Pass "
                      "the acquisition that the model was made of, or fit it to this one");
 }
@@ -91,7 +93,7 @@ ForceSamples samples_of(const ContactModel& contact, const Model& model,
                     contact.id, distance));
   }
   ForceSamples samples;
-  if (const std::optional<PressingOffsets> offsets = stored_offsets(model)) {
+  if (const std::optional<PressingOffsets>& offsets = model.pressing_offsets) {
     const double height =
         (contact.position - there).dot(model.T_surface_acquisition.linear() * measured.normal);
     samples = corrected(pressed_contact(measured, acquisition.samples_of(*source), height),

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "build/made.h"
 #include "palpate/core/error.h"
 #include "palpate/haptics/contact_compliance.h"
 
@@ -28,8 +27,7 @@ std::span<const geometry::SurfacePoint> checked(const Model& model,
 
 LeftOutModels::LeftOutModels(const Model& model, std::span<const geometry::SurfacePoint> points)
     : model_(model),
-      triangulations_(model.surface, checked(model, points),
-                      {.method = triangulation_method(model)}) {}
+      triangulations_(model.surface, checked(model, points), {.method = model.triangulation}) {}
 
 Model LeftOutModels::without(std::size_t contact) const {
   geometry::ContactTriangulation triangulation = triangulations_.without(contact);

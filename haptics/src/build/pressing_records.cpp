@@ -2,16 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "build/pressing_records.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <sstream>
 #include <string>
 
-#include "build/made.h"
 #include "palpate/core/error.h"
 
 namespace palpate::haptics {
@@ -110,29 +106,6 @@ ForceSamples corrected(const PressedContact& contact, const PressingOffsets& off
   }
   result.kinds.assign(static_cast<std::size_t>(result.forces.cols()), PairKind::settled);
   return result;
-}
-
-void store_offsets(const PressingOffsets& offsets, Model& model) {
-  model.made[kPressingOffsets] =
-      fmt::format("{} {} {} N {}, {} mm + {} height, {} less on the way back", offsets.force.x(),
-                  offsets.force.y(), offsets.force.z(), offsets.along_direction ? "along" : "world",
-                  offsets.touch, offsets.height_slope, offsets.hysteresis);
-}
-
-std::optional<PressingOffsets> stored_offsets(const Model& model) {
-  const auto found = model.made.find(kPressingOffsets);
-  if (found == model.made.end()) return std::nullopt;
-  std::istringstream text(found->second);
-  PressingOffsets offsets;
-  std::string newton, frame, millimetre, plus, height;
-  text >> offsets.force.x() >> offsets.force.y() >> offsets.force.z() >> newton >> frame >>
-      offsets.touch >> millimetre >> plus >> offsets.height_slope >> height >> offsets.hysteresis;
-  if (!text || newton != "N" || (frame != "along," && frame != "world,")) {
-    throw InvalidInput(std::string("the model's entry \"") + kPressingOffsets + "\" is \"" +
-                       found->second + "\", which this program did not write; fit the model again");
-  }
-  offsets.along_direction = frame == "along,";
-  return offsets;
 }
 
 }  // namespace palpate::haptics

@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "palpate/haptics/model.h"
 #include "palpate/haptics/pressing_estimate.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/probing/acquisition.h"
@@ -28,9 +26,5 @@ namespace palpate::haptics {
 /// displacements from the true surface, and forces without the offsets and as on the way in.
 [[nodiscard]] ForceSamples corrected(const PressedContact& contact, const PressingOffsets& offsets,
                                      double touch);
-
-/// Writes the offsets to what a model is made of, and reads them; nothing if they are not there.
-void store_offsets(const PressingOffsets& offsets, Model& model);
-[[nodiscard]] std::optional<PressingOffsets> stored_offsets(const Model& model);
 
 }  // namespace palpate::haptics

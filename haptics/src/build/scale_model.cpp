@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "build/forget_samples.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
@@ -130,8 +131,7 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
     return Eigen::Matrix3Xd((S * (points.colwise() - middle)).colwise() + middle);
   };
   scaled.surface.vertices = moved(model.surface.vertices);
-  scaled.T_surface_acquisition.setIdentity();
-  scaled.noise.reset();
+  forget_samples(scaled);
   scaled.response = scaled_response(std::move(scaled.response), options);
   const bool compliances = model.interpolation.rule == BlendRule::compliances;
   std::optional<double> largest_force;

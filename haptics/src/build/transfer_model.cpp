@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "build/made.h"
+#include "build/forget_samples.h"
 #include "build/surface_refinement.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -67,8 +67,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   const std::vector<Eigen::Matrix3d> rotations = geometry::local_rotations(model.surface, map);
   TransferredModel result{.model = model, .distorted = {}, .isolated = {}};
   result.model.surface = target;
-  result.model.T_surface_acquisition.setIdentity();
-  result.model.noise.reset();
+  forget_samples(result.model);
   result.model.response.reset();  // it moves the vertices of the other surface
   const double size = geometry::bounding_diagonal(target);
   for (ContactModel& contact : result.model.contacts) {
@@ -89,7 +88,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
     inward.col(static_cast<Eigen::Index>(i)) = result.model.contacts[i].frame.col(2);
   const RefinedSurface refined = refine_surface(inward, result.model);
   geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
-      result.model.surface, refined.places, {.method = triangulation_method(model)});
+      result.model.surface, refined.places, {.method = model.triangulation});
   result.model.triangles = std::move(triangulation.mesh.triangles);
   result.model.surface_weights = std::move(triangulation.weights);
   for (const int i : triangulation.isolated)

@@ -162,6 +162,32 @@ std::vector<RateTerm> to_rate(const Node& node) {
   return rate;
 }
 
+std::string to_fingerprint(const Node& node) {
+  if (!is_fingerprint(node.text())) node.refuse("16 hexadecimal digits in lower case");
+  return node.text();
+}
+
+PressingOffsets to_offsets(const Node& node) {
+  PressingOffsets offsets;
+  offsets.force_found = node.at("force_found").truth();
+  offsets.force = node.at("force_offset").vector();
+  const std::vector<Node> errors = node.at("force_offset_error").items();
+  if (errors.size() != 3) node.at("force_offset_error").refuse("three numbers >= 0");
+  for (std::size_t i = 0; i < 3; ++i)
+    offsets.force_error(static_cast<Eigen::Index>(i)) = errors[i].number_at_least_zero();
+  offsets.along_direction = node.at("along_pressing").truth();
+  offsets.touch_found = node.at("touch_found").truth();
+  offsets.touch = node.at("touch_offset").number();
+  offsets.touch_error = node.at("touch_offset_error").number_at_least_zero();
+  offsets.touch_spread = node.at("touch_offset_spread").number_at_least_zero();
+  offsets.height_slope = node.at("surface_slope").number();
+  offsets.height_slope_error = node.at("surface_slope_error").number_at_least_zero();
+  offsets.hysteresis = node.at("hysteresis").number();
+  if (!(offsets.hysteresis < 1)) node.at("hysteresis").refuse("a number < 1");
+  offsets.hysteresis_error = node.at("hysteresis_error").number_at_least_zero();
+  return offsets;
+}
+
 std::string pointer_to(const char* list, std::size_t index) {
   return std::string("/") + list + "/" + std::to_string(index);
 }
@@ -402,6 +428,12 @@ Model read_field_document(const std::string& bytes, ModelEncoding encoding) {
   model.T_surface_acquisition.translation() = registration.at("translation").vector();
   if (const auto radius = document.find("probe_radius"))
     model.probe_radius = radius->number_above_zero();
+  if (const auto method = choice(document.find("triangulation"), kTriangulations))
+    model.triangulation = *method;
+  if (const auto fingerprint = document.find("samples_fingerprint"))
+    model.samples_fingerprint = to_fingerprint(*fingerprint);
+  if (const auto offsets = document.find("pressing_offsets"))
+    model.pressing_offsets = to_offsets(*offsets);
   model.made = document.at("made").texts();
   return model;
 }

@@ -159,6 +159,21 @@ Json to_json(const std::vector<RateTerm>& rate) {
   return result;
 }
 
+Json to_json(const PressingOffsets& offsets) {
+  return {{"force_found", offsets.force_found},
+          {"force_offset", to_json(offsets.force)},
+          {"force_offset_error", to_json(offsets.force_error)},
+          {"along_pressing", offsets.along_direction},
+          {"touch_found", offsets.touch_found},
+          {"touch_offset", to_json(offsets.touch)},
+          {"touch_offset_error", to_json(offsets.touch_error)},
+          {"touch_offset_spread", to_json(offsets.touch_spread)},
+          {"surface_slope", to_json(offsets.height_slope)},
+          {"surface_slope_error", to_json(offsets.height_slope_error)},
+          {"hysteresis", to_json(offsets.hysteresis)},
+          {"hysteresis_error", to_json(offsets.hysteresis_error)}};
+}
+
 // Writes an object as text, member by member: a line for a short member, a line for each list item.
 class TextWriter {
  public:
@@ -238,9 +253,10 @@ Json valid_texts(const std::map<std::string, std::string>& texts) {
 
 template <typename Writer>
 void write(Writer writer, const Model& model) {
-  constexpr int kMembers = 9;
+  constexpr int kMembers = 10;
   writer.begin(kMembers + (model.probe_radius ? 1 : 0) + (model.friction_force != 0 ? 1 : 0) +
-               (model.rate.empty() ? 0 : 1) + (model.noise ? 1 : 0));
+               (model.rate.empty() ? 0 : 1) + (model.noise ? 1 : 0) +
+               (model.samples_fingerprint ? 1 : 0) + (model.pressing_offsets ? 1 : 0));
   writer.member("format", kFieldFormat);
   writer.member("version", kFieldVersion);
   writer.member("units", {{"length", "mm"}, {"force", "N"}});
@@ -258,6 +274,9 @@ void write(Writer writer, const Model& model) {
     writer.member("noise", {{"force", to_json(model.noise->force)},
                             {"displacement", to_json(model.noise->displacement)}});
   }
+  if (model.samples_fingerprint) writer.member("samples_fingerprint", *model.samples_fingerprint);
+  if (model.pressing_offsets) writer.member("pressing_offsets", to_json(*model.pressing_offsets));
+  writer.member("triangulation", to_string(model.triangulation));
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
   writer.end_list();

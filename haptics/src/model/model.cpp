@@ -7,6 +7,7 @@
 #include <optional>
 #include <unordered_set>
 
+#include "model/field_document_format.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "palpate/haptics/rotation.h"
@@ -85,6 +86,24 @@ void check_weights(const Model& model) {
   }
 }
 
+void check_offsets(const PressingOffsets& given) {
+  const auto check = [](const char* field, double value, const Interval& range,
+                        const char* unit = "") {
+    require([&] { return std::string("Model::pressing_offsets: ") + field; }, value, range, unit);
+  };
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    check("force", given.force(i), finite(), "N");
+    check("force_error", given.force_error(i), at_least(0).finite(), "N");
+  }
+  check("touch", given.touch, finite(), "mm");
+  check("touch_error", given.touch_error, at_least(0).finite(), "mm");
+  check("touch_spread", given.touch_spread, at_least(0).finite(), "mm");
+  check("height_slope", given.height_slope, finite());
+  check("height_slope_error", given.height_slope_error, at_least(0).finite());
+  check("hysteresis", given.hysteresis, finite().below(1));
+  check("hysteresis_error", given.hysteresis_error, at_least(0).finite());
+}
+
 }  // namespace
 
 const char* to_string(FrictionSource source) {
@@ -150,6 +169,11 @@ void check_model(const Model& model) {
     require("the model's noise: displacement", model.noise->displacement, at_least(0).finite(),
             "mm");
   }
+  if (model.samples_fingerprint && !is_fingerprint(*model.samples_fingerprint)) {
+    throw InvalidInput("Model::samples_fingerprint is \"" + *model.samples_fingerprint +
+                       "\"; it must be 16 hexadecimal digits in lower case");
+  }
+  if (model.pressing_offsets) check_offsets(*model.pressing_offsets);
   if (model.surface_weights.contacts.cols() > 0) check_weights(model);
   if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
     geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");

@@ -8,10 +8,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "build/made.h"
 #include "build/synthetic_acquisition.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/build_model.h"
+#include "palpate/haptics/scale_model.h"
+#include "palpate/probing/fingerprint.h"
 
 namespace palpate::haptics {
 namespace {
@@ -149,13 +150,25 @@ TEST(LeaveOneOut, RefusesOtherSamplesOfTheSameContacts) {
   acquisition.samples[5].b.z() += 1e-6;
   EXPECT_THAT(refusal([&] { return leave_one_out(model, acquisition); }),
               HasSubstr("other samples"));
-  // Models of earlier versions do not tell.
-  model.made.erase(kSamplesFingerprint);
-  EXPECT_NO_THROW(static_cast<void>(leave_one_out(model, acquisition)));
+  model.samples_fingerprint.reset();
+  EXPECT_THAT(refusal([&] { return leave_one_out(model, acquisition); }),
+              HasSubstr("which samples it was fitted to"));
+}
+
+// Stretched across itself, a flat object keeps its contacts where they were.
+TEST(LeaveOneOut, RefusesAModelThatWasScaled) {
+  const probing::Acquisition acquisition = flat_acquisition();
+  const Model model =
+      build_model(acquisition, flat_surface(), {.fit = {.accuracy = 0.01, .max_bases = 2}}).model;
+  const Model scaled = scale_model(model, {.factor = 2, .axis = Eigen::Vector3d::UnitZ()}).model;
+  for (std::size_t i = 0; i < model.contacts.size(); ++i)
+    ASSERT_EQ(scaled.contacts[i].position, model.contacts[i].position);
+  EXPECT_THAT(refusal([&] { return leave_one_out(scaled, acquisition); }), HasSubstr("scaled"));
 }
 
 TEST(LeaveOneOut, RefusesAnotherAcquisitionAndTooFewContacts) {
   Model model = sheet_model();
+  model.samples_fingerprint = probing::fingerprint(flat_acquisition());
   EXPECT_THAT(refusal([&] { return leave_one_out(model, flat_acquisition()); }),
               HasSubstr("contact 1"));
   for (std::size_t i = 0; i < 4; ++i) model.contacts[i].id = 20 + static_cast<long long>(i);

@@ -218,6 +218,18 @@ TEST(MergeModels, MakesIdsUniqueAndSaysWhereTheyAreFrom) {
   EXPECT_THAT(refusal([&] { return merge_models(sides); }), HasSubstr("too large"));
 }
 
+TEST(MergeModels, BelongsToNoAcquisition) {
+  std::vector<SideModel> sides = halves();
+  for (SideModel& side : sides) {
+    side.model.triangulation = geometry::ContactTriangulationMethod::voronoi_dual;
+    side.model.samples_fingerprint = "0123456789abcdef";
+    side.model.pressing_offsets.emplace();
+  }
+  const Model merged = merge_models(sides).model;
+  EXPECT_EQ(merged.triangulation, geometry::ContactTriangulationMethod::delaunay);
+  EXPECT_FALSE(merged.samples_fingerprint || merged.pressing_offsets);
+}
+
 TEST(MergeModels, MovesFramesAndAxesOfFriction) {
   const Model model = uneven_model();
   const Eigen::Isometry3d motion = some_motion();

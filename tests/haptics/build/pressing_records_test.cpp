@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
+#include <string>
 
 #include "build/synthetic_acquisition.h"
 #include "palpate/haptics/build_model.h"
@@ -124,31 +126,25 @@ TEST(LeaveOneOut, IsNotMisledByAConstantErrorOfTheForces) {
       leave_one_out(build_model(biased, flat_surface()).model, probing::CheckedAcquisition(biased));
   for (probing::Sample& sample : biased.samples) sample.force += Vector3d(0, 0, 0.3);
   const Model model = build_model(biased, flat_surface()).model;
-  const std::optional<PressingOffsets> offsets = stored_offsets(model);
-  ASSERT_TRUE(offsets);
-  EXPECT_TRUE(offsets->along_direction);
+  ASSERT_TRUE(model.pressing_offsets);
+  EXPECT_TRUE(model.pressing_offsets->along_direction);
   EXPECT_LT(leave_one_out(model, probing::CheckedAcquisition(biased)).rms, plain.rms + 0.05);
 }
 
-TEST(StoredOffsets, AreReadAsTheyWereWritten) {
-  PressingOffsets offsets;
-  offsets.force = {0.0255, -0.0425, 0.068};
-  offsets.touch = 0.19;
-  offsets.height_slope = 0.97;
-  offsets.hysteresis = 0.21;
-  for (const bool along : {false, true}) {
-    offsets.along_direction = along;
-    Model model;
-    EXPECT_FALSE(stored_offsets(model));
-    store_offsets(offsets, model);
-    const std::optional<PressingOffsets> read = stored_offsets(model);
-    ASSERT_TRUE(read);
-    EXPECT_EQ(read->force, offsets.force);
-    EXPECT_EQ(read->along_direction, along);
-    EXPECT_EQ(read->touch, offsets.touch);
-    EXPECT_EQ(read->height_slope, offsets.height_slope);
-    EXPECT_EQ(read->hysteresis, offsets.hysteresis);
+TEST(LeaveOneOut, ReadsNothingThatWasWrittenForPeople) {
+  probing::Acquisition biased = pressed_flat();
+  for (probing::Sample& sample : biased.samples) sample.force += Vector3d(0, 0, 0.3);
+  Model model = build_model(biased, flat_surface()).model;
+  const double rms = leave_one_out(model, probing::CheckedAcquisition(biased)).rms;
+  using Texts = std::map<std::string, std::string>;
+  for (const Texts& made : {Texts{}, Texts{{"pressing_offsets", "9 9 9 N along, 9 mm"},
+                                           {"samples_fingerprint", "of others"},
+                                           {"triangulation", "by hand"}}}) {
+    model.made = made;
+    EXPECT_EQ(leave_one_out(model, probing::CheckedAcquisition(biased)).rms, rms);
   }
+  model.pressing_offsets->force.z() += 0.2;  // these are read
+  EXPECT_GT(leave_one_out(model, probing::CheckedAcquisition(biased)).rms, rms + 0.1);
 }
 
 }  // namespace

@@ -8,10 +8,10 @@
 #include <limits>
 #include <utility>
 
+#include "model_testing.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rounding.h"
-#include "sheet_model.h"
 
 namespace palpate::haptics {
 namespace {
@@ -62,6 +62,13 @@ TEST(ScaleModel, MultipliesStiffnessByTheLengthForTheSameMaterial) {
   EXPECT_LT((large.model.contacts[0].position - Vector3d(-75, -75, 700)).norm(), 1e-12);
   EXPECT_NEAR(large.model.surface.vertices.row(0).maxCoeff(), 125, 1e-12);
   EXPECT_EQ(large.model.made.at("scaled"), "by 2.5, material");
+}
+
+TEST(ScaleModel, KeepsTheTriangulationAndNothingOfTheAcquisition) {
+  const Model scaled = scale_model(some_model(), {.factor = 2.5}).model;
+  EXPECT_EQ(scaled.triangulation, geometry::ContactTriangulationMethod::voronoi_dual);
+  EXPECT_FALSE(scaled.samples_fingerprint || scaled.pressing_offsets || scaled.noise);
+  EXPECT_TRUE(scaled.T_surface_acquisition.matrix().isIdentity(0));
 }
 
 // A ball that scales with the object presses alike; a stretched one is no ball.

@@ -74,6 +74,29 @@ TEST(TransferModel, ScalesForcesAsScalingDoes) {
   }
 }
 
+TEST(TransferModel, TriangulatesAsTheModelAndKeepsNothingOfTheAcquisition) {
+  Model model = ball_model([](const Vector3d&) { return true; }, [](int) { return 0.0; }, 12);
+  model.samples_fingerprint = "0123456789abcdef";
+  model.pressing_offsets.emplace();
+  Eigen::Matrix3Xd marks(3, 5);
+  marks << 40, 0, 0, -40, 0, 0, 40, 0, 0, 0, 0, 0, 40, 0, -40;
+  const geometry::SurfaceMap map =
+      geometry::map_surface(model.surface, model.surface, {.source = marks, .target = marks});
+  std::vector<Eigen::Matrix3Xi> triangles;
+  using enum geometry::ContactTriangulationMethod;
+  for (const auto method : {delaunay, voronoi_dual}) {
+    model.triangulation = method;
+    const Model result = transfer_model(model, model.surface, map).model;
+    EXPECT_EQ(result.triangulation, method);
+    EXPECT_FALSE(result.samples_fingerprint || result.pressing_offsets);
+    triangles.push_back(result.triangles);
+    model.made["triangulation"] = "voronoi_dual";  // for people
+    EXPECT_EQ(transfer_model(model, model.surface, map).model.triangles, triangles.back());
+    model.made.clear();
+  }
+  EXPECT_NE(triangles[0], triangles[1]);
+}
+
 TEST(TransferModel, FeelsOnAnEllipsoidLikeTheBallAtTheSamePlace) {
   const Model ball = ball_model([](const Vector3d&) { return true; }, [](int) { return 0.0; }, 60);
   const Vector3d stretch(1.2, 1, 0.9);

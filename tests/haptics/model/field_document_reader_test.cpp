@@ -140,8 +140,37 @@ TEST(FieldDocumentReader, RefusesWhatCannotBe) {
               AllOf(HasSubstr("/contacts/2/id: found 11"), HasSubstr("contact 1 has this one")));
   EXPECT_THAT(refused_document([](json& d) { d["registration"]["rotation"][0][0] = 2; }),
               HasSubstr("/registration/rotation:"));
+  EXPECT_THAT(refused_document([](json& d) { d["triangulation"] = "by hand"; }),
+              AllOf(HasSubstr("/triangulation:"), HasSubstr("\"delaunay\" or \"voronoi_dual\"")));
+  EXPECT_THAT(refused_document([](json& d) { d["samples_fingerprint"] = "0123456789ABCDEF"; }),
+              AllOf(HasSubstr("/samples_fingerprint:"), HasSubstr("16 hexadecimal digits")));
+  EXPECT_THAT(refused_document([](json& d) { d["samples_fingerprint"] = 7; }),
+              AllOf(HasSubstr("/samples_fingerprint: found 7"), HasSubstr("a string")));
   EXPECT_THAT(refused_document([](json& d) { d["contacts"].erase(0), d["contacts"].erase(0); }),
               AllOf(HasSubstr("/contacts:"), HasSubstr("at least three")));
+}
+
+TEST(FieldDocumentReader, RefusesOffsetsThatCannotBe) {
+  const json offsets =
+      json::parse(field_document(some_model(), ModelEncoding::json))["pressing_offsets"];
+  for (const auto& [key, value] : offsets.items()) {
+    const std::string place = "/pressing_offsets/" + key;
+    EXPECT_THAT(refused_document([&](json& d) { d["pressing_offsets"].erase(key); }),
+                AllOf(HasSubstr("/pressing_offsets:"), HasSubstr('"' + key + '"')));
+    EXPECT_THAT(refused_document([&](json& d) { d["pressing_offsets"][key] = nullptr; }),
+                AllOf(HasSubstr(place), HasSubstr("found null")));
+    if (!key.ends_with("_error") && !key.ends_with("_spread")) continue;
+    EXPECT_THAT(refused_document([&](json& d) {
+                  json& error = d["pressing_offsets"][key];
+                  (error.is_array() ? error[2] : error) = -1;
+                }),
+                AllOf(HasSubstr(place), HasSubstr(">= 0")));
+  }
+  EXPECT_THAT(refused_document([](json& d) { d["pressing_offsets"]["hysteresis"] = 1; }),
+              AllOf(HasSubstr("/pressing_offsets/hysteresis:"), HasSubstr("< 1")));
+  EXPECT_THAT(
+      refused_document([](json& d) { d["pressing_offsets"]["force_offset_error"].erase(0); }),
+      AllOf(HasSubstr("/pressing_offsets/force_offset_error:"), HasSubstr("three numbers")));
 }
 
 // Also where the square of the length is no number.

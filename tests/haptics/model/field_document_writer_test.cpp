@@ -106,6 +106,17 @@ TEST(FieldDocumentWriter, WritesWhatTheSchemaDescribes) {
                               "/friction_force",
                               "/rate/0/share",
                               "/rate/1/time",
+                              "/triangulation",
+                              "/samples_fingerprint",
+                              "/pressing_offsets/force_found",
+                              "/pressing_offsets/force_offset",
+                              "/pressing_offsets/force_offset_error/1",
+                              "/pressing_offsets/along_pressing",
+                              "/pressing_offsets/touch_found",
+                              "/pressing_offsets/touch_offset_error",
+                              "/pressing_offsets/touch_offset_spread",
+                              "/pressing_offsets/surface_slope_error",
+                              "/pressing_offsets/hysteresis_error",
                               "/interpolation/reach",
                               "/interpolation/rule",
                               "/registration/rotation/0",
@@ -128,6 +139,14 @@ TEST(FieldDocumentWriter, WritesWhatTheSchemaDescribes) {
     broken.erase(member);
     EXPECT_FALSE(is_valid(broken)) << member;
   }
+  for (const auto& [member, value] : document["pressing_offsets"].items()) {
+    json broken = document;
+    broken["pressing_offsets"].erase(member);
+    EXPECT_FALSE(is_valid(broken)) << member;
+  }
+  json twice = document;
+  twice["pressing_offsets"]["hysteresis"] = 1;
+  EXPECT_FALSE(is_valid(twice));
   for (const char* member : {"reference_force", "reach"}) {
     json broken = document;
     broken["interpolation"].erase(member);
@@ -146,6 +165,7 @@ TEST(FieldDocumentWriter, TheSchemaHasTheWordsOfTheEnumerations) {
     EXPECT_EQ(listed.at("enum"), words);
   };
   expect_words(schema["properties"]["interpolation"]["properties"]["rule"], kBlendRules);
+  expect_words(schema["properties"]["triangulation"], kTriangulations);
   const json& contact = schema["definitions"]["contact"]["properties"];
   expect_words(contact["friction"]["properties"]["source"], kFrictionSources);
   expect_words(contact["fit"]["properties"]["stop"], kFitStops);
@@ -161,10 +181,13 @@ TEST(FieldDocumentWriter, LeavesOutWhatIsNotKnown) {
   model.contacts[0].fit_mode = std::nullopt;
   model.contacts[0].passivity = std::nullopt;
   model.contacts[0].compliance = std::nullopt;
+  model.samples_fingerprint = std::nullopt;
+  model.pressing_offsets = std::nullopt;
   const json document = json::parse(field_document(model, ModelEncoding::json));
   EXPECT_EQ(document["contacts"][0]["fit"], (json{{"samples", 100}, {"rms", 0}}));
   EXPECT_FALSE(document["contacts"][0]["friction"].contains("error"));
   EXPECT_FALSE(document["contacts"][0].contains("compliance"));
+  EXPECT_FALSE(document.contains("samples_fingerprint") || document.contains("pressing_offsets"));
   EXPECT_TRUE(is_valid(document));
   expect_same_document(read_field_document(document.dump(), ModelEncoding::json), model);
 }

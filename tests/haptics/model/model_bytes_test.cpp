@@ -43,6 +43,12 @@ TEST(ModelBytes, GiveAModelThatPlaysTheSameBits) {
   }
 }
 
+// Playback needs nothing of the acquisition.
+TEST(ModelBytes, LeaveOutWhatBelongsToTheAcquisition) {
+  const Model again = model_of_bytes(to_bytes(some_model()));
+  EXPECT_FALSE(again.samples_fingerprint || again.pressing_offsets || again.noise);
+}
+
 // A page has no geodesic triangulation: the weights come with the bytes.
 TEST(ModelBytes, HoldTheWeightsOfAModelWithoutAny) {
   Model model = sheet_model();

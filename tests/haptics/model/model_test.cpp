@@ -72,10 +72,38 @@ TEST(CheckModel, NamesWhatIsWrong) {
                 w.weights(0, 9) = std::numeric_limits<double>::quiet_NaN();
               }),
               HasSubstr("vertex 9"));
+  for (const char* fingerprint : {"", "0123456789abcde", "0123456789ABCDEF", "0123456789abcdefg"}) {
+    EXPECT_THAT(refused_model([&](Model& m) { m.samples_fingerprint = fingerprint; }),
+                AllOf(HasSubstr("samples_fingerprint"), HasSubstr("16 hexadecimal digits")));
+  }
   EXPECT_THAT(refused_model([](Model& m) { m.T_surface_acquisition.linear() *= 2; }),
               HasSubstr("registration"));
   EXPECT_THAT(refused_model([](Model& m) { m.surface.triangles.resize(3, 0); }),
               HasSubstr("surface"));
+}
+
+TEST(CheckModel, NamesTheOffsetThatIsOutOfRange) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const auto with_offsets = [](auto change) {
+    return refused_model([&](Model& m) { change(m.pressing_offsets.emplace()); });
+  };
+  using Offsets = PressingOffsets;
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.force.y() = kNaN; }),
+              HasSubstr("Model::pressing_offsets: force is nan"));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.force_error.z() = -1; }),
+              HasSubstr("force_error is -1 N; it must be >= 0"));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.touch = kNaN; }), HasSubstr("touch is nan"));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.touch_error = -1; }), HasSubstr("touch_error is -1"));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.touch_spread = -1; }),
+              HasSubstr("touch_spread is -1"));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.height_slope = kNaN; }),
+              HasSubstr("height_slope is nan"));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.height_slope_error = -1; }),
+              HasSubstr("height_slope_error is -1"));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.hysteresis = 1; }),
+              AllOf(HasSubstr("hysteresis is 1"), HasSubstr("< 1")));
+  EXPECT_THAT(with_offsets([](Offsets& o) { o.hysteresis_error = -1; }),
+              HasSubstr("hysteresis_error is -1"));
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ struct BuildOptions {
   /// quartile over contacts of the largest force along the z axis; if it is not positive, forces
   /// are blended.
   std::optional<BlendRule> blend_rule = std::nullopt;
-  /// How contacts are triangulated. `Model::made` records it under "triangulation".
+  /// How contacts are triangulated. `Model::triangulation` records it.
   geometry::ContactTriangulationMethod triangulation =
       geometry::ContactTriangulationMethod::delaunay;
   /// If given, contacts with fewer pairs of displacement and force than this share the local part
@@ -148,8 +148,8 @@ struct BuildResult {
 ///
 /// Where all contacts were only pressed (no sample has a tangential stage), displacements lie along
 /// one direction, which is too little for a fit of its own. The fields then follow
-/// `estimate_pressing`, whose offsets are taken off and recorded in `Model::made`; errors refer to
-/// samples without the offsets.
+/// `estimate_pressing`, whose offsets are taken off and recorded in `Model::pressing_offsets`;
+/// errors refer to samples without the offsets.
 ///
 /// A ball in a soft object slips at larger forces than a point with the same friction. Where the
 /// acquisition says the radius of its probe, the errors and lower bounds of friction hold for the

@@ -115,8 +115,9 @@ struct LeaveOneOutOptions {
 /// the contact.
 ///
 /// \throws InvalidInput if a contact of the model is missing, at another place or without samples
-/// in the acquisition, if the model was fitted to other samples, if the model has fewer than four
-/// contacts, or if `check_model` throws.
+/// in the acquisition, if the model was fitted to other samples or does not say to which (it was
+/// scaled, transferred or merged), if the model has fewer than four contacts, or if `check_model`
+/// throws.
 [[nodiscard]] LeaveOneOut leave_one_out(const Model& model,
                                         const probing::CheckedAcquisition& acquisition,
                                         const LeaveOneOutOptions& options = {});

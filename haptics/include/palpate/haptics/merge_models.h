@@ -76,6 +76,8 @@ struct MergedModel {
 /// - Everything except positions is `rounded`.
 /// - Ids stay if they all differ; otherwise those of side k are increased by k times a common power
 ///   of ten. `Model::made` records where everything comes from.
+/// - The merged model belongs to no acquisition: it has no registration, noise, fingerprint or
+///   offsets.
 /// - Sides with and without friction are merged as they are.
 /// \throws InvalidInput if there is no side, `check_model` rejects one or its surface is not
 /// manifold, a pose is not rigid and finite, an option is outside its range, a contact is farther

@@ -15,6 +15,7 @@
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/friction_limit.h"
 #include "palpate/haptics/passivity_certificate.h"
+#include "palpate/haptics/pressing_estimate.h"
 #include "palpate/haptics/rate_law.h"
 #include "palpate/haptics/surface_response.h"
 
@@ -127,6 +128,9 @@ struct Model {
   geometry::TriangleMesh surface;  ///< undeformed, triangles counter-clockwise seen from outside
   std::vector<ContactModel> contacts;  ///< at least three
   Eigen::Matrix3Xi triangles;          ///< 3 x T indices of contacts, oriented as the surface
+  /// The method that made `triangles`, and makes those of fewer contacts or of another surface.
+  geometry::ContactTriangulationMethod triangulation =
+      geometry::ContactTriangulationMethod::delaunay;
   /// Weights of the contacts at each vertex of the surface. Without any (no columns) they are the
   /// barycentric coordinates of the vertex's nearest point on the triangles of contacts, of which
   /// there must be some then.
@@ -144,7 +148,14 @@ struct Model {
   std::optional<SurfaceResponse> response = {};
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
-  std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8
+  /// `probing::fingerprint` of the acquisition that the model was fitted to; none: it was fitted to
+  /// no acquisition, or it was scaled, transferred or merged since.
+  std::optional<std::string> samples_fingerprint = {};
+  /// What was taken off the records of that acquisition, in its frame; none: not all of its
+  /// contacts were only pressed. `hysteresis` < 1.
+  std::optional<PressingOffsets> pressing_offsets = {};
+  /// How: sources, options, program; UTF-8. For people: nothing is computed from it.
+  std::map<std::string, std::string> made;
 };
 
 /// A frame is orthonormal and an axis is a unit vector iff no entry of F^T F, or of its length, is

@@ -51,6 +51,8 @@ struct PressingOffsets {
   double height_slope_error = 0;
   double hysteresis = 0;  ///< share of the force that is missing on the way back
   double hysteresis_error = 0;
+
+  friend bool operator==(const PressingOffsets&, const PressingOffsets&) = default;
 };
 
 /// [mm] t that is expected of a contact before its forces are known.

@@ -57,8 +57,9 @@ struct ScaledModel {
 /// the
 ///   refit error; `passivity` and `fit_mode` are those of a refitted field, whose `chi2` and
 ///   `condition` are unknown; `samples` and `fit_stop` still refer to the fit to the measurements.
-/// - Compliances are recomputed. The registration of the acquisition is dropped, because samples
-///   belong to the object as measured.
+/// - Compliances are recomputed. What belongs to the acquisition is dropped, because samples belong
+/// to
+///   the object as measured: its registration, noise, fingerprint and offsets.
 /// - The response of the surface grows with the object. It is dropped with an axis: its dents are
 ///   round.
 ///
