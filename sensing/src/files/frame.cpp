@@ -25,9 +25,6 @@ void check_bytes(const std::filesystem::path& path, const std::string& bytes) {
     case ImageFormat::unknown:
       damage = "neither PNG, TIFF, BMP, JPEG nor WebP; a frame of 8 or 16 bit is expected";
       break;
-    case ImageFormat::png:
-      damage = find_png_damage(bytes);
-      break;
     case ImageFormat::jpeg:
       damage = find_jpeg_damage(bytes);
       break;
@@ -37,8 +34,9 @@ void check_bytes(const std::filesystem::path& path, const std::string& bytes) {
     case ImageFormat::bmp:
       damage = find_bmp_damage(bytes);
       break;
+    case ImageFormat::png:
     case ImageFormat::tiff:
-      break;  // OpenCV notices it
+      break;  // the decoders notice it
   }
   if (!damage.empty()) throw FileError(path.string() + ": " + damage);
 }
@@ -56,10 +54,7 @@ cv::Mat read_png(const std::filesystem::path& path, const std::string& bytes) {
 cv::Mat read_frame(const std::filesystem::path& path) {
   const std::string bytes = read_bytes(path);
   check_bytes(path, bytes);
-  if (image_format(bytes) == ImageFormat::png) {
-    cv::Mat frame = read_png(path, bytes);
-    if (!frame.empty()) return frame;
-  }
+  if (image_format(bytes) == ImageFormat::png) return read_png(path, bytes);
   // Whichever way up a phone was held: the camera's pixels stay where the lens puts them.
   cv::Mat frame = decode_image(
       path, bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);

@@ -111,8 +111,7 @@ TEST(Frame, RefusesADamagedFile) {
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   const auto path = written(folder, "damaged.png", bytes);
   const std::string message = message_of<FileError>([&] { (void)read_frame(path); });
-  EXPECT_NE(message.find("damaged.png"), std::string::npos);
-  EXPECT_NE(message.find("checksum"), std::string::npos);
+  EXPECT_EQ(message.find(path.string() + ": is damaged before byte "), 0) << message;
 }
 
 TEST(Frame, RefusesMissingEmptyAndForeignFiles) {
