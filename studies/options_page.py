@@ -15,8 +15,8 @@ from palpate import _palpate
 HEAD = """# Options
 
 The options of the library, struct by struct. Each field has the same name everywhere: `min_signal` in C++ and as a keyword
-argument in Python, `--min-signal` on the command line. `--help` shows the usual fields, `--help-all` also the *expert* ones,
-which few users need. A value outside its range is refused.
+argument in Python, `--min-signal` on the command line; a flag that is True by default is switched off by `--no-NAME`.
+`--help` shows the usual fields, `--help-all` also the *expert* ones, which few users need. A value outside its range is refused.
 
 This page is written by `./dev studies options_page`.
 """
@@ -51,7 +51,7 @@ def keywords_of_functions():
 
 
 def option(field):
-    return "--" + (field["item"] or field["name"]).replace("_", "-")
+    return ("--no-" if field["default"] == "True" else "--") + (field["item"] or field["name"]).replace("_", "-")
 
 
 def choices(field):

@@ -49,13 +49,12 @@ class KeywordReader : public FieldVisitor {
     if (const auto given = read<bool>(field)) set(*given);
   }
   void on_choice(const Field& field, const ChoiceField& value) override {
-    const auto word = read<std::optional<std::string>>(field);
+    const auto word = read<std::string>(field);
     if (!word) return;
-    if (!*word && value.may_be_absent) return value.set(std::nullopt);
-    const auto found = std::ranges::find(value.words, word->value_or("None"));
+    const auto found = std::ranges::find(value.words, *word);
     if (found == value.words.end()) {
-      throw InvalidInput(std::string(field.name) + " is '" + word->value_or("None") +
-                         "'; it must be one of " + words_of(value));
+      throw InvalidInput(std::string(field.name) + " is '" + *word + "'; it must be one of " +
+                         words_of(value));
     }
     value.set(static_cast<std::size_t>(found - value.words.begin()));
   }
@@ -128,9 +127,8 @@ class Describer : public FieldVisitor {
     add(field, "bool", value ? "True" : "False", "");
   }
   void on_choice(const Field& field, const ChoiceField& value) override {
-    const std::string usual =
-        value.value ? "'" + std::string(value.words[*value.value]) + "'" : "None";
-    add(field, or_none("Literal[" + words_of(value) + "]", value), usual, "");
+    add(field, "Literal[" + words_of(value) + "]",
+        "'" + std::string(value.words[value.value]) + "'", "");
   }
   void on_table(const Field& field, const TableField& value) override {
     add(field, "Sequence[Sequence[float]]", "[]", "rows of " + names_of(value));
@@ -184,7 +182,7 @@ std::string described(const std::string& call, const std::string& result, const 
                       const FieldList& list) {
   Describer describer;
   list(describer);
-  std::string signature = call + ", *", lines;
+  std::string signature = call, lines;
   for (const auto& [field, type, usual, range] : describer.lists.front().fields) {
     const std::string name(field.name);
     signature += ", " + name + ": " + type + " = " + usual;

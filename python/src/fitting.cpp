@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "long_work.h"
 #include "maker/model_page.h"
 #include "palpate/core/output_file.h"
@@ -156,27 +157,6 @@ std::vector<std::pair<long long, std::string>> left_out(const BuildResult& built
   return misfits;
 }
 
-haptics::FitMode fit_mode(const std::string& word) {
-  using haptics::FitMode;
-  return choose<FitMode>(
-      "passive", word,
-      {{"convex", FitMode::convex}, {"certified", FitMode::certified}, {"local", FitMode::local}});
-}
-
-std::optional<haptics::BlendRule> blend_rule(const std::string& word) {
-  using Rule = std::optional<haptics::BlendRule>;
-  return choose<Rule>("blend", word,
-                      {{"compliances", haptics::BlendRule::compliances},
-                       {"forces", haptics::BlendRule::forces},
-                       {"auto", std::nullopt}});
-}
-
-geometry::ContactTriangulationMethod triangulation(const std::string& word) {
-  using Method = geometry::ContactTriangulationMethod;
-  return choose<Method>("triangulation", word,
-                        {{"delaunay", Method::delaunay}, {"voronoi_dual", Method::voronoi_dual}});
-}
-
 /// The surface that is given, or one of the contacts.
 geometry::TriangleMesh surface_of(const CheckedAcquisition& acquisition,
                                   const geometry::TriangleMesh* given) {
@@ -219,23 +199,28 @@ void add_fit(py::module_& module) {
         return "<palpate.Fit: " + std::to_string(built.model.contacts.size()) + " contacts, " +
                std::to_string(built.left_out.size()) + " left out>";
       });
+  haptics::BuildOptions usual;
+  const std::string doc = described(
+      "fit(acquisition: Acquisition, surface: TriangleMesh | None = None, *, progress: "
+      "Callable | None = None",
+      "Fit",
+      R"(Fits a model to measurements and the undeformed surface, as `palpate fit` does.
+
+surface: None: one is made of the contacts, flat between them.
+progress: called as progress(done, total) after each contact, from any thread, one at a time.
+
+All processors are used, and other threads of Python run meanwhile. Ctrl-C ends the fit after the
+next contact. Raises InvalidInput, also if `acquisition` cannot be measurements of an
+object, or SolverError; warns (UserWarning) of what is suspicious.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
   module.def(
       "fit",
       [](const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,
-         const std::string& passive, const std::string& blend, const std::string& triangulated,
-         double accuracy, const std::optional<int>& max_bases, double max_distance,
-         const std::optional<int>& max_left_out, bool estimate_offsets, bool rate,
-         const py::object& progress) {
+         const py::object& progress, const py::kwargs& keywords) {
         haptics::BuildOptions options;
-        options.max_distance = max_distance;
-        options.max_left_out = max_left_out;
-        options.blend_rule = blend_rule(blend);
-        options.triangulation = triangulation(triangulated);
-        options.estimate_offsets = estimate_offsets;
-        options.rate = rate;
-        options.fit.mode = fit_mode(passive);
-        options.fit.accuracy = accuracy;
-        options.fit.max_bases = max_bases;
+        set_fields(fields_of(options), keywords);
         LongWork work(progress);
         options.progress = [&work, report = work.report()](haptics::BuildStage stage, int done,
                                                            int total) {
@@ -246,31 +231,8 @@ void add_fit(py::module_& module) {
         check_plausible("fit()", acquisition);
         return work.run([&] { return fit(acquisition, surface, options); });
       },
-      arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("passive") = "convex",
-      arg("blend") = "auto", arg("triangulation") = "delaunay", arg("accuracy") = 0.0,
-      arg("max_bases") = py::none(), arg("max_distance") = haptics::BuildOptions{}.max_distance,
-      arg("max_left_out") = py::none(), arg("estimate_offsets") = true, arg("rate") = false,
-      arg("progress") = py::none(),
-      R"(Fits a model to measurements and the undeformed surface, as `palpate fit` does.
-
-surface: None: one is made of the contacts, flat between them.
-passive: how a field is made passive: 'convex', everywhere; 'certified', proven within the reach of
-    the measurements; 'local', near zero only.
-blend: what contacts give to places between them: 'compliances', 'forces', or 'auto', the one that
-    predicts contacts better from those around them.
-triangulation: of contacts: 'delaunay' or 'voronoi_dual'.
-accuracy: [N] stop fitting a contact at this rms; 0: as accurate as the noise allows.
-max_bases: largest number of bases of a field; None: no other limit than the method's.
-max_distance: [mm] of each contact from the surface.
-max_left_out: number of contacts that may not fit the surface; None: one in 50.
-estimate_offsets: where all contacts were only pressed, estimate a constant error of forces and
-    touches.
-rate: where all contacts were only pressed, fit how forces depend on the rate.
-progress: called as progress(done, total) after each contact, from any thread, one at a time.
-
-All processors are used, and other threads of Python run meanwhile. Ctrl-C ends the fit after the
-next contact. Raises InvalidInput, also if `acquisition` cannot be measurements of an
-object, or SolverError; warns (UserWarning) of what is suspicious.)");
+      arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("progress") = py::none(),
+      doc.c_str());
 }
 
 }  // namespace

@@ -251,7 +251,7 @@ void add_loop(py::module_& module) {
   py::class_<Playback> added(module, "Playback", "The haptic loop of a model, at 1 kHz.");
   def_described(
       added,
-      described("__init__(self: Playback, model: Model", "None",
+      described("__init__(self: Playback, model: Model, *", "None",
                 "Prepares all that a tick needs; the model may be changed or forgotten afterwards. "
                 "Raises InvalidInput.",
                 fields_of(usual)),

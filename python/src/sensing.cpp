@@ -206,7 +206,8 @@ Threads may decode with the same decoder at the same time.)");
   sensing::DecodeOptions usual;
   def_described(
       added,
-      described("__init__(self: Decoder, rig: Rig, pattern: Pattern, colors: TrainedColors", "None",
+      described("__init__(self: Decoder, rig: Rig, pattern: Pattern, colors: TrainedColors, *",
+                "None",
                 "Prepares everything that does not depend on the frame. Raises InvalidInput.",
                 fields_of(usual)),
       py::init([](const Rig& rig, const Pattern& pattern, const TrainedColors& colors,

@@ -117,7 +117,7 @@ TEST(Calibrate, WrongCallsAreRefused) {
   };
   no_board({}, "--board");
   no_board({"--board", "charuco:8x11"}, "--marker");
-  no_board({"--board", "charuco:8x11", "--marker", "20"}, "Board::marker");
+  no_board({"--board", "charuco:8x11", "--marker", "20"}, "--marker");
   no_board({"--board", "charuco:80x80", "--marker", "15"}, "markers");
   no_board({"--board", "8x11", "--marker", "15"}, "chessboard");
   no_board({"--board", "charuco:8", "--marker", "15"}, "'8'");

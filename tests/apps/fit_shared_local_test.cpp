@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// `palpate fit --shared-local`: few samples at most contacts.
+// `palpate fit --dense-samples`: few samples at most contacts.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -31,7 +31,7 @@ class FitSharedLocal : public ::testing::Test {
                                  palpate::testing::beam_acquisition(
                                      beam, 5, {.directions = 6, .resolution = 0.4, .seed = 41}));
       geometry::write_mesh(surface, palpate::testing::beam_surface(beam));
-      result = run_palpate({"fit", store, surface, "-o", model, "--json", "--shared-local"});
+      result = run_palpate({"fit", store, surface, "-o", model, "--json", "--dense-samples", "40"});
     }
   };
   static const Whole& whole() {
@@ -73,7 +73,7 @@ TEST_F(FitSharedLocal, FitsSparseContactsWithWhatDenseOnesHaveInCommonAndTellsSo
 }
 
 TEST_F(FitSharedLocal, SaysWhyEachContactIsFittedOnItsOwn) {
-  const CommandResult result = fit({"--shared-local", "--dense-samples", "500"});
+  const CommandResult result = fit({"--dense-samples", "500"});
   ASSERT_EQ(result.status, kDone) << result.err;
   EXPECT_NE(result.err.find("each contact is fitted on its own"), std::string::npos);
   EXPECT_NE(result.err.find("lower --dense-samples"), std::string::npos);
@@ -85,18 +85,17 @@ TEST_F(FitSharedLocal, SaysWhyEachContactIsFittedOnItsOwn) {
 
 TEST_F(FitSharedLocal, IsResumedWithTheSameSharingOnly) {
   const CommandResult cut =
-      fit({"--shared-local"}, {.interrupt_when_there_is = scratch / "model.fits"});
+      fit({"--dense-samples", "40"}, {.interrupt_when_there_is = scratch / "model.fits"});
   ASSERT_EQ(cut.status, kInterrupted) << cut.err;
   const CommandResult other = fit({"--resume"});
   EXPECT_EQ(other.status, kWrongCall);
-  EXPECT_NE(other.err.find("another --shared-local"), std::string::npos) << other.err;
-  ASSERT_EQ(fit({"--shared-local", "--resume"}).status, kDone);
+  EXPECT_NE(other.err.find("another --dense-samples"), std::string::npos) << other.err;
+  ASSERT_EQ(fit({"--dense-samples", "40", "--resume"}).status, kDone);
   EXPECT_EQ(read_text(scratch / "model/field.json"), read_text(whole().model + "/field.json"));
 }
 
 TEST_F(FitSharedLocal, RefusesWrongNumbers) {
-  EXPECT_EQ(fit({"--dense-samples", "40"}).status, kWrongCall);
-  EXPECT_EQ(fit({"--shared-local", "--dense-samples", "3"}).status, kWrongCall);
+  EXPECT_EQ(fit({"--dense-samples", "3"}).status, kWrongCall);
 }
 
 }  // namespace

@@ -298,10 +298,10 @@ TEST_F(Measurements, OfWhichSomeContactsDoNotFitTheSurfaceAreFittedWithoutThem) 
   const CommandResult refused = fit();
   EXPECT_EQ(refused.status, kWrongCall);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("contact 3 has a normal that points into the surface"),
-                                 HasSubstr("--leave-out 2"), Not(HasSubstr("BuildOptions")),
+                                 HasSubstr("--max-left-out of 2"), Not(HasSubstr("BuildOptions")),
                                  Not(HasSubstr("build_model"))));
   EXPECT_FALSE(fs::exists(scratch / "model"));
-  const CommandResult result = fit({"--leave-out", "2", "--json"});
+  const CommandResult result = fit({"--max-left-out", "2", "--json"});
   EXPECT_EQ(result.status, kDone) << result.err;
   EXPECT_THAT(result.err,
               AllOf(HasSubstr("contact 3 is left out"), HasSubstr("contact 5 is left out")));

@@ -105,7 +105,7 @@ class Fitting(unittest.TestCase):
             palpate.fit(self.acquisition, self.surface, progress=stop)
 
     def test_wrong_calls_are_refused(self):
-        with self.assertRaisesRegex(palpate.InvalidInput, "passive: is 'rigid'; it must be one of 'convex', 'certified', 'local'"):
+        with self.assertRaisesRegex(palpate.InvalidInput, "passive is 'rigid'; it must be one of 'convex', 'certified', 'local'"):
             palpate.fit(self.acquisition, self.surface, passive="rigid")
         with self.assertRaises(palpate.InvalidInput):
             palpate.fit(self.acquisition, grid(5, 5))  # elsewhere

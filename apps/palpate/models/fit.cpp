@@ -24,6 +24,7 @@
 #include "palpate/probing/contact_surface.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
@@ -39,22 +40,11 @@ using Json = nlohmann::ordered_json;
 
 struct FitCall {
   fs::path acquisition, surface, output, pictures, shapes;
-  haptics::FitOptions fit;
-  std::optional<haptics::BlendRule> blend_rule = haptics::BuildOptions{}.blend_rule;
-  geometry::ContactTriangulationMethod triangulation =
-      geometry::ContactTriangulationMethod::delaunay;
+  haptics::BuildOptions options;
   std::optional<haptics::ModelEncoding> encoding;
-  std::optional<double> budget_us;
   geometry::ReadOptions meshes;
-  std::optional<double> force_noise;
   std::optional<double> probe_radius;  ///< [mm]
-  bool estimate_offsets = true;
-  bool rate = false;
-  bool shared_local = false;
-  int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
   bool resume = false;
-  double max_distance = haptics::BuildOptions{}.max_distance;
-  std::optional<int> max_left_out;
 };
 
 void draw(const FitCall& call, const haptics::Model& model,
@@ -75,45 +65,13 @@ fs::path record_file(const fs::path& output) {
 }
 
 /// All data and options that the fits depend on.
-Json settings_of(const FitCall& call) {
-  return {{"ACQUISITION", fingerprint(call.acquisition)},
-          {"SURFACE", call.surface.empty() ? std::string() : fingerprint(call.surface)},
-          {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
-          {"--accuracy", call.fit.accuracy},
-          {"--passive", haptics::to_string(call.fit.mode)},
-          {"--force-noise", call.force_noise ? Json(*call.force_noise) : Json()},
-          {"--touch-offset", call.estimate_offsets},
-          {"--rate", call.rate},
-          {"--max-distance", call.max_distance},
-          {"--leave-out", call.max_left_out ? Json(*call.max_left_out) : Json()},
-          {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
-          {"--shared-local", call.shared_local},
-          {"--dense-samples", call.shared_local ? Json(call.dense_samples) : Json()},
-          {"version of palpate", PALPATE_VERSION}};
-}
-
-// Steady error of tangential forces over their noise, 0.01 N: with 0.01 N of it, 34 of 36 lower
-// bounds hold that the virtual arm measured, with 0.015 N all; without, 15
-// (docs/probing-validation.md).
-constexpr double kSteadyErrorPerNoise = 1.5;
-
-// A rendered force blends the fields of three contacts.
-constexpr int kBlended = 3;
-
-void limit_to_budget(FitCall& call) {
-  if (!call.budget_us) return;
-  const double bases = *call.budget_us / (kBlended * haptics::kEvaluationCost);
-  if (!(bases >= 1)) {
-    throw InvalidInput(
-        fmt::format("--budget is {} us; one base for each of the {} contacts of a "
-                    "blend already takes {:.2f} us; pass at least that",
-                    *call.budget_us, kBlended, kBlended * haptics::kEvaluationCost));
-  }
-  const int most = static_cast<int>(std::min(bases, 1000.0));
-  call.fit.max_bases =
-      std::min(most, call.fit.max_bases.value_or(call.fit.mode == haptics::FitMode::convex
-                                                     ? haptics::kMaxConvexBases
-                                                     : haptics::kMaxLocalBases));
+Json settings_of(FitCall call) {
+  Json settings = {{"ACQUISITION", fingerprint(call.acquisition)},
+                   {"SURFACE", call.surface.empty() ? std::string() : fingerprint(call.surface)},
+                   {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
+                   {"version of palpate", PALPATE_VERSION}};
+  settings.update(option_values(fields_of(call.options)));
+  return settings;
 }
 
 haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
@@ -127,34 +85,18 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
     shown = stage;
     bar->show(done, total);
   };
-  // Friction needs a noise above zero, so zero is replaced by its default.
-  haptics::FrictionOptions friction;
-  if (call.fit.noise.force > 0) friction.force_noise = call.fit.noise.force;
-  friction.steady_error = kSteadyErrorPerNoise * friction.force_noise;
+  haptics::BuildOptions options = call.options;
+  options.progress = show;
+  options.known_fit = [&](long long contact) { return record.find(contact); };
+  options.keep_fit = [&](long long contact, const haptics::FitResult& result) {
+    record.add(contact, result);
+  };
   try {
-    return haptics::build_model(
-        acquisition, surface,
-        {.fit = call.fit,
-         .friction = friction,
-         .max_distance = call.max_distance,
-         .max_left_out = call.max_left_out,
-         .blend_rule = call.blend_rule,
-         .triangulation = call.triangulation,
-         .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
-         .estimate_offsets = call.estimate_offsets,
-         .estimate_force_noise = !call.force_noise,
-         .rate = call.rate,
-         .progress = show,
-         .known_fit = [&](long long contact) { return record.find(contact); },
-         .keep_fit = [&](long long contact,
-                         const haptics::FitResult& result) { record.add(contact, result); }});
+    return haptics::build_model(acquisition, surface, options);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(
-        with_option_names(error.what(), {{"build_model(): ", call.acquisition.string() + ": "},
-                                         {"BuildOptions::rate: ", "--rate: "},
-                                         {"BuildOptions::fit.max_bases,", "--max-bases,"},
-                                         {"BuildOptions::max_distance", "--max-distance"},
-                                         {"BuildOptions::max_left_out = ", "--leave-out "}}));
+    throw InvalidInput(error.with_names([&](const std::string& name) {
+      return name == "build_model()" ? call.acquisition.string() : field_option(name);
+    }));
   }
 }
 
@@ -206,8 +148,6 @@ probing::CheckedAcquisition with_probe_radius(probing::CheckedAcquisition acquis
 }
 
 void fit(const Settings& settings, FitCall call) {
-  limit_to_budget(call);
-  if (call.force_noise) call.fit.noise.force = *call.force_noise;
   const fs::path record_path = record_file(call.output);
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
   check_output_folder({call.acquisition, call.surface, call.shapes}, call.output);
@@ -263,56 +203,7 @@ void add_fit(CLI::App& app, const Settings& settings) {
                       "between them");
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
-  command
-      ->add_option("--accuracy", call->fit.accuracy,
-                   "Stop fitting a contact at this RMS [N]; 0: as accurate as the noise of the "
-                   "measurements allows")
-      ->capture_default_str();
-  add_choice<haptics::FitMode>(
-      *command, "--passive", call->fit.mode,
-      {{"convex", haptics::FitMode::convex},
-       {"certified", haptics::FitMode::certified},
-       {"local", haptics::FitMode::local}},
-      "How a field is made passive: convex, everywhere by construction (default); certified, "
-      "proven within the reach of the measurements; local, only near zero");
-  add_choice<geometry::ContactTriangulationMethod>(
-      *command, "--triangulation", call->triangulation,
-      {{"delaunay", geometry::ContactTriangulationMethod::delaunay},
-       {"voronoi_dual", geometry::ContactTriangulationMethod::voronoi_dual}},
-      "How contacts are triangulated: delaunay, the geodesic Delaunay triangulation (default); "
-      "voronoi_dual, the dual of the geodesic Voronoi cells, which may leave out contacts on thin "
-      "parts and near the border. Use it if delaunay fails");
-  command
-      ->add_option("--max-distance", call->max_distance,
-                   "Reject a contact that is farther from the surface [mm], after all contacts "
-                   "were moved onto it by one small rigid motion")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
-  command
-      ->add_option("--leave-out", call->max_left_out,
-                   fmt::format("Leave out up to this many contacts that are too far from the "
-                               "surface, or whose normal points into it, instead of rejecting the "
-                               "measurements. Default: one in {}",
-                               probing::kContactsPerMisfit))
-      ->check(within(at_least(0)));
-  command->add_option("--max-bases", call->fit.max_bases, "Largest number of bases of a field");
-  command->add_option(
-      "--budget", call->budget_us,
-      fmt::format(
-          "Time to evaluate one force [us]. It limits the number of bases per field, assuming that "
-          "each base costs {} us and that three fields are blended. Locating the contact and "
-          "blending take about 0.15 us more, and a slipping contact evaluates many forces per "
-          "step: "
-          "measure a step with palpate play",
-          haptics::kEvaluationCost));
-  command
-      ->add_option(
-          "--force-noise", call->force_noise,
-          "Standard deviation of each component of the measured forces [N], for fields and "
-          "friction. Default: estimated from the measurements: what forces that were repeated "
-          "show, "
-          "at least 0.4 % of the largest force, and more if that does not explain the errors")
-      ->check(within(at_least(0)));
+  add_fields(*command, fields_of(call->options));
   command
       ->add_option(
           "--probe-radius", call->probe_radius,
@@ -320,38 +211,10 @@ void add_fit(CLI::App& app, const Settings& settings) {
           "say it; the errors of friction depend on it, and the model keeps it for palpate play "
           "--tool-radius")
       ->check(within(above(0).finite()));
-  add_choice<bool>(
-      *command, "--touch-offset", call->estimate_offsets, {{"estimate", true}, {"none", false}},
-      "Where all contacts were only pressed: estimate a constant error of the forces and how deep "
-      "below the surface the touches were found, and use them if the measurements support them "
-      "(default); none, take forces and touches as recorded");
-  command->add_flag("--rate", call->rate,
-                    "Where all contacts were only pressed, and samples have times: fit how forces "
-                    "depend on the rate, as in tissue, whose loading and unloading differ");
-  CLI::Option* shared = command->add_flag(
-      "--shared-local", call->shared_local,
-      "Learn the local deformation around the tool from contacts with many samples, and fit "
-      "contacts with few samples as this local part plus a compliance of their own. Used only if a "
-      "test shows a gain (thesis 6.2.1.2); the result is reported");
-  command
-      ->add_option("--dense-samples", call->dense_samples,
-                   "Smallest number of pairs of displacement and force for a contact to count as "
-                   "having many samples")
-      ->needs(shared)
-      ->check(within(at_least(haptics::kFewestDenseSamples)))
-      ->capture_default_str();
   command->add_flag_callback(
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },
       fmt::format("Write the document in CBOR, field.cbor; this is the default above {} contacts",
                   haptics::kMaxJsonContacts));
-  add_choice<std::optional<haptics::BlendRule>>(
-      *command, "--blend", call->blend_rule,
-      {{"compliances", haptics::BlendRule::compliances},
-       {"forces", haptics::BlendRule::forces},
-       {"auto", std::nullopt}},
-      "What contacts give to places between them: compliances, their forces at displacements that "
-      "match the compliance of the place; forces, their forces at the same displacement (thesis "
-      "5.3.2); auto, what predicts contacts better from those around them (default)");
   command
       ->add_option("--shapes", call->shapes,
                    "Folder of meshes that 'palpate track --reference SURFACE' made of the range "

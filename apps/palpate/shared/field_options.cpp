@@ -18,6 +18,11 @@ std::string name_of(const auto& field) {
   return option_name(field.item.empty() ? field.name : field.item);
 }
 
+/// The flag that changes a field: "--rate", or "--no-rate" for one that is true by default.
+std::string flag_name(std::string_view field, bool usual) {
+  return (usual ? "--no-" : "--") + option_name(field).substr(2);
+}
+
 class OptionMaker : public FieldVisitor {
  public:
   explicit OptionMaker(CLI::App& command) : command_(command) {}
@@ -33,9 +38,11 @@ class OptionMaker : public FieldVisitor {
   void on_whole(const Field& field, const NumberField<int>& value) override {
     add_number(field, value);
   }
-  void on_flag(const Field& field, bool /*value*/, const std::function<void(bool)>& set) override {
+  void on_flag(const Field& field, bool value, const std::function<void(bool)>& set) override {
+    const std::string name = flag_name(field.name, value);
+    const std::string text = (value ? "Not: " : "") + text_of(field);
     keep(field, command_.add_flag_callback(
-                    option_name(field.name), [set] { set(true); }, text_of(field)));
+                    name, [set, value] { set(!value); }, text));
   }
   void on_choice(const Field& field, const ChoiceField& value) override {
     const std::vector<std::string> words(value.words.begin(), value.words.end());
@@ -45,8 +52,7 @@ class OptionMaker : public FieldVisitor {
           set(static_cast<std::size_t>(std::ranges::find(words, word) - words.begin()));
         },
         text_of(field));
-    option->check(one_of(words));
-    if (value.value) option->default_str(words[*value.value]);
+    option->check(one_of(words))->default_str(words[value.value]);
     keep(field, option);
   }
   void on_table(const Field& field, const TableField& value) override {
@@ -119,11 +125,11 @@ std::string changed_options(const FieldList& fields, const FieldList& usual) {
   std::string words;
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (now[i].text == before[i].text) continue;
-    const std::string option = " " + name_of(now[i]);
     if (now[i].is_flag) {
-      words += option;
+      words += " " + flag_name(now[i].name, before[i].text == "true");
       continue;
     }
+    const std::string option = " " + name_of(now[i]);
     // Each row of a table is given apart.
     std::istringstream rows(now[i].text);
     for (std::string row; std::getline(rows, row, ';');) words += option + " " + row;
@@ -137,14 +143,20 @@ std::string option_name(std::string_view field) {
   return name;
 }
 
+std::string field_option(const std::string& name) {
+  const std::size_t type = name.rfind("::");
+  if (type == std::string::npos) return name;  // an argument, or a place in a file
+  const std::string member = name.substr(type + 2);
+  return option_name(member.substr(0, member.find_first_of("[.")));
+}
+
 std::string with_option_names(const InvalidInput& error, const CLI::App& app) {
   const CLI::App& command = called(app);
-  return error.with_names([&](const std::string& field) {
-    const std::size_t type = field.rfind("::");
-    if (type == std::string::npos) return field;  // an argument, or a place in a file
-    const std::string member = field.substr(type + 2);
-    const std::string option = option_name(member.substr(0, member.find_first_of("[.")));
-    return command.get_option_no_throw(option) != nullptr ? option : member;
+  return error.with_names([&](const std::string& name) {
+    const std::size_t type = name.rfind("::");
+    if (type == std::string::npos) return name;  // an argument, or a place in a file
+    const std::string option = field_option(name);
+    return command.get_option_no_throw(option) != nullptr ? option : name.substr(type + 2);
   });
 }
 

@@ -31,6 +31,9 @@ std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields)
 /// The option of a field: "--min-signal" for "min_signal".
 [[nodiscard]] std::string option_name(std::string_view field);
 
+/// The same for a field with its struct, "DecodeOptions::min_signal"; other names stay.
+[[nodiscard]] std::string field_option(const std::string& name);
+
 /// The message of an error, with the options of the command that was called in place of the fields
 /// of the library.
 [[nodiscard]] std::string with_option_names(const InvalidInput& error, const CLI::App& app);

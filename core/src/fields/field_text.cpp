@@ -31,7 +31,7 @@ class TextWriter : public FieldVisitor {
     texts.back().is_flag = true;
   }
   void on_choice(const Field& field, const ChoiceField& value) override {
-    add(field, value.value ? std::string(value.words[*value.value]) : "");
+    add(field, std::string(value.words[value.value]));
   }
   void on_table(const Field& field, const TableField& value) override {
     std::vector<std::string> lines;
@@ -81,7 +81,7 @@ class TextReader : public FieldVisitor {
     set(text_ == "true");
   }
   void on_choice(const Field& field, const ChoiceField& value) override {
-    if (!is_named(field) || is_left_out(value)) return;
+    if (!is_named(field)) return;
     const auto found = std::ranges::find(value.words, text_);
     if (found == value.words.end()) refuse(fmt::format("{}", fmt::join(value.words, " or ")));
     value.set(static_cast<std::size_t>(found - value.words.begin()));

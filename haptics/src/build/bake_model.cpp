@@ -16,10 +16,9 @@ BuildOptions exact_samples(double max_force) {
   constexpr double kDisplacement = 0.005;  // [mm]
   constexpr double kForce = 1.0 / 1500;    // of the largest one
   BuildOptions options;
-  options.fit.noise = {.displacement = kDisplacement, .force = kForce * max_force};
-  options.estimate_force_noise = false;
+  options.fit.noise.displacement = kDisplacement;
+  options.force_noise = kForce * max_force;
   options.fit.compare_always = true;
-  options.friction.force_noise = kForce * max_force;
   options.friction.steady_error = 0;
   return options;
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "build/build_options.h"
 #include "build/contact_cones.h"
 #include "build/contact_fields.h"
 #include "build/place_contacts.h"
@@ -37,14 +38,6 @@
 namespace palpate::haptics {
 namespace {
 
-void check_options(const BuildOptions& options) {
-  require("BuildOptions::on_surface", options.on_surface, at_least(0), "mm");
-  require("BuildOptions::max_distance", options.max_distance, at_least(0), "mm");
-  require("BuildOptions::max_motion", options.max_motion, at_least(0), "mm");
-  require("BuildOptions::max_left_out", options.max_left_out, at_least(0));
-  require("BuildOptions::dense_samples", options.dense_samples, at_least(kFewestDenseSamples));
-}
-
 // Indices in the acquisition of the contacts with samples. The others are listed in the result.
 std::vector<std::size_t> probed_contacts(const probing::CheckedAcquisition& acquisition,
                                          BuildResult& result) {
@@ -56,9 +49,9 @@ std::vector<std::size_t> probed_contacts(const probing::CheckedAcquisition& acqu
       source.push_back(i);
   }
   if (source.size() < 3) {
-    throw InvalidInput("build_model(): only " + std::to_string(source.size()) + " of " +
-                       std::to_string(acquisition.contacts().size()) +
-                       " contacts have samples; at least three are needed");
+    throw wrong_measurements("only " + std::to_string(source.size()) + " of " +
+                             std::to_string(acquisition.contacts().size()) +
+                             " contacts have samples; at least three are needed");
   }
   return source;
 }
@@ -127,128 +120,136 @@ void turn_into_local_frames(std::vector<ForceSamples>& samples, const Model& mod
   }
 }
 
-// Takes the pairs of contacts that were only pressed without the offsets that are found.
-void estimate_pressed(const probing::CheckedAcquisition& acquisition,
-                      const std::vector<std::size_t>& source, const std::vector<double>& heights,
-                      const BuildOptions& options, std::vector<ForceSamples>& samples,
-                      BuildResult& result) {
-  require("BuildOptions::fit.max_bases, where all contacts were only pressed,",
-          options.fit.max_bases, at_least(kFewestPressingBases));
-  std::vector<PressedContact> contacts;
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    contacts.push_back(pressed_contact(acquisition.contacts()[source[i]],
-                                       acquisition.samples_of(source[i]), heights[i]));
-  }
-  PressingOptions with{.estimate_offsets = options.estimate_offsets};
-  if (!options.estimate_force_noise && options.fit.noise.force > 0)
-    with.force_noise = options.fit.noise.force;
+Pairs pairs_of(const Probed& probed, const BuildOptions& options) {
+  if (is_pressing_only(probed.acquisition, probed.source)) return pressed_pairs(probed, options);
   if (options.rate) {
-    std::vector<std::span<const probing::Sample>> records;
-    for (const std::size_t i : source) records.push_back(acquisition.samples_of(i));
-    PressedRate found = estimate_pressed_rate(contacts, records, with,
-                                              options.fit.max_bases.value_or(kMaxConvexBases));
-    result.pressing = std::move(found.estimate);
-    result.rate = std::move(found.rate);
-    result.model.rate = rounded(result.rate->terms);
-    contacts = std::move(found.contacts);
-  } else {
-    result.pressing = estimate_pressing(contacts, with);
+    throw InvalidInput(std::vector<MessagePart>{
+        {"BuildOptions::rate", true},
+        {": how forces depend on the rate is fitted to contacts that were only "
+         "pressed, with the time of each sample; some of these samples have drags, or "
+         "displacements "
+         "in several directions, and their motion between is not known"}});
   }
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    samples[i] = corrected(contacts[i], result.pressing->offsets, result.pressing->curves[i].touch);
-  result.model.pressing_offsets = result.pressing->offsets;
+  Pairs pairs{.samples = std::vector<ForceSamples>(probed.size())};
+  parallel_for(probed.size(), [&](std::size_t i) {
+    pairs.samples[i] = realign(probed.contact(i), probed.samples(i));
+  });
+  return pairs;
 }
 
 // [N] What forces that were repeated show of their noise; 0: nothing.
-double repeated_noise(const probing::CheckedAcquisition& acquisition,
-                      const std::vector<std::size_t>& source, const FitOptions& fit) {
+double repeated_noise(const Probed& probed, const FitOptions& fit) {
   std::vector<RepeatedForce> groups;
-  for (const std::size_t i : source) {
-    const auto here = repeated_forces(acquisition.contacts()[i], acquisition.samples_of(i));
+  for (std::size_t i = 0; i < probed.size(); ++i) {
+    const auto here = repeated_forces(probed.contact(i), probed.samples(i));
     groups.insert(groups.end(), here.begin(), here.end());
   }
   return repeated_force_noise(groups, fit.noise.displacement.value_or(kDisplacementNoise));
 }
 
-// Fits friction and field of every contact and returns their reference force. `source` maps
-// contacts of the model to those of the acquisition.
-double fit_contacts(const probing::CheckedAcquisition& acquisition,
-                    const std::vector<std::size_t>& source, const std::vector<double>& heights,
-                    const BuildOptions& options, std::vector<ForceSamples>& samples,
-                    BuildResult& result) {
-  samples.resize(source.size());
-  parallel_for(source.size(), [&](std::size_t i) {
-    samples[i] = realign(acquisition.contacts()[source[i]], acquisition.samples_of(source[i]));
-  });
-  if (is_pressing_only(acquisition, source)) {
-    estimate_pressed(acquisition, source, heights, options, samples, result);
-  } else if (options.rate) {
-    throw InvalidInput(
-        "BuildOptions::rate: how forces depend on the rate is fitted to contacts that were only "
-        "pressed, with the time of each sample; some of these samples have drags, or displacements "
-        "in several directions, and their motion between is not known");
+// The options of the fits with the noise that they take.
+struct NoisyOptions {
+  FitOptions fit;
+  FrictionOptions friction;
+  FrictionAxisOptions axis;
+};
+
+// Estimates the noise from all contacts, as one tool and one tracker measured them.
+NoisyOptions with_noise(const Probed& probed, const Pairs& pairs, const BuildOptions& options) {
+  NoisyOptions with{.fit = fit_options(options), .friction = options.friction, .axis = {}};
+  FitNoise& noise = with.fit.noise;
+  if (!noise.displacement) noise.displacement = pooled_displacement_noise(pairs.samples);
+  if (options.force_noise) {
+    noise.force = *options.force_noise;
+  } else {
+    noise.force = pairs.pressing ? pairs.pressing->force_noise
+                                 : estimated_force_noise(
+                                       pairs.samples, repeated_noise(probed, with.fit), with.fit);
   }
-  // Estimate the noise from all contacts, as one tool and one tracker measured them.
-  FitOptions fit = options.fit;
-  if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);
-  if (options.estimate_force_noise) {
-    fit.noise.force = result.pressing ? result.pressing->force_noise
-                                      : estimated_force_noise(
-                                            samples, repeated_noise(acquisition, source, fit), fit);
+  noise.force = round_to_digits(noise.force, kNoiseDigits);
+  if (noise.force > 0) {
+    with.friction.steady_error *= noise.force / with.friction.force_noise;
+    with.friction.force_noise = noise.force;
   }
-  fit.noise.force = round_to_digits(fit.noise.force, kNoiseDigits);
-  result.model.noise =
-      MeasurementNoise{.force = fit.noise.force,
-                       .displacement = fit.noise.displacement.value_or(kDisplacementNoise)};
-  if (result.pressing) {
-    result.model.noise = MeasurementNoise{
-        .force = result.pressing->force_noise,
-        .displacement = along_pressing(*result.pressing) * result.pressing->offsets.touch_spread};
-  }
-  FrictionOptions friction = options.friction;
-  if (options.estimate_force_noise && fit.noise.force > 0) {
-    friction.steady_error *= fit.noise.force / friction.force_noise;
-    friction.force_noise = fit.noise.force;
-  }
-  const FrictionAxisOptions axis{
-      .displacement_noise = fit.noise.displacement.value_or(kDisplacementNoise),
-      .force_noise = friction.force_noise};
-  const ContactCones cones = fit_contact_cones(acquisition, source, friction);
+  with.axis = {.displacement_noise = noise.displacement.value_or(kDisplacementNoise),
+               .force_noise = with.friction.force_noise};
+  return with;
+}
+
+// What the model states.
+MeasurementNoise stated_noise(const Pairs& pairs, const FitOptions& fit) {
+  if (!pairs.pressing)
+    return {.force = fit.noise.force,
+            .displacement = fit.noise.displacement.value_or(kDisplacementNoise)};
+  return {.force = pairs.pressing->force_noise,
+          .displacement = along_pressing(*pairs.pressing) * pairs.pressing->offsets.touch_spread};
+}
+
+// Completes the report of a contact, except its field.
+ContactReport with_friction(ContactReport report, const probing::Contact& contact,
+                            std::span<const probing::Sample> records, const ForceSamples& samples,
+                            const FrictionLoad& load, const FrictionAxisOptions& axis) {
+  const std::vector<FrictionTrial> trials = friction_trials(contact, records);
+  report.friction_contradictions = contradicting_trials(report.friction, trials, load);
+  report.friction_trials = static_cast<int>(trials.size());
+  const Eigen::VectorXd forces = samples.forces.colwise().norm();
+  report.pairs = static_cast<int>(forces.size());
+  report.largest_force = forces.maxCoeff();
+  report.force_rms = std::sqrt(forces.squaredNorm() / static_cast<double>(forces.size()));
+  report.friction_axis =
+      fit_friction_axis(samples, pressing_direction(report.friction, contact), axis);
+  return report;
+}
+
+// Fits the friction of every contact, in parallel.
+void fit_friction(const Probed& probed, const std::vector<ForceSamples>& samples,
+                  const NoisyOptions& with, const BuildOptions& options, BuildResult& result) {
+  const ContactCones cones = fit_contact_cones(probed.acquisition, probed.source, with.friction);
   result.friction_load = cones.load;
   const FrictionLoad load = cones.load ? cones.load->load : FrictionLoad{};
   if (cones.load) result.model.friction_force = load.force;
   std::mutex reporting;
   int done = 0;
-  parallel_for(source.size(), [&](std::size_t i) {
-    const probing::Contact& contact = acquisition.contacts()[source[i]];
+  parallel_for(probed.size(), [&](std::size_t i) {
     ContactReport& report = result.contacts[i];
-    const std::vector<FrictionTrial> trials =
-        friction_trials(contact, acquisition.samples_of(source[i]));
     report.friction = cones.cones[i];
-    report.friction_contradictions = contradicting_trials(report.friction, trials, load);
-    report.friction_trials = static_cast<int>(trials.size());
-    const Eigen::VectorXd forces = samples[i].forces.colwise().norm();
-    report.pairs = static_cast<int>(forces.size());
-    report.largest_force = forces.maxCoeff();
-    report.force_rms = std::sqrt(forces.squaredNorm() / static_cast<double>(forces.size()));
-    report.friction_axis =
-        fit_friction_axis(samples[i], pressing_direction(report.friction, contact), axis);
-    take_friction(report, contact, result.model.contacts[i]);
+    report = with_friction(std::move(report), probed.contact(i), probed.samples(i), samples[i],
+                           load, with.axis);
+    take_friction(report, probed.contact(i), result.model.contacts[i]);
     result.model.contacts[i].load_exponent = load.exponent;
     const std::lock_guard lock(reporting);
     if (options.progress)
-      options.progress(BuildStage::friction, ++done, static_cast<int>(source.size()));
+      options.progress(BuildStage::friction, ++done, static_cast<int>(probed.size()));
   });
   choose_frames(result.model);
-  const double pressed = reference_force(samples, result.model);
-  turn_into_local_frames(samples, result.model);
+}
+
+struct FittedContacts {
+  std::vector<ForceSamples> samples;  ///< in the local frames of the contacts
+  double reference_force = 0;         ///< [N]
+};
+
+// Fits friction and field of every contact.
+FittedContacts fit_contacts(const Probed& probed, const BuildOptions& options,
+                            BuildResult& result) {
+  Pairs pairs = pairs_of(probed, options);
+  const NoisyOptions with = with_noise(probed, pairs, options);
+  result.model.noise = stated_noise(pairs, with.fit);
+  if (pairs.pressing) result.model.pressing_offsets = pairs.pressing->offsets;
+  if (pairs.rate) result.model.rate = rounded(pairs.rate->terms);
+  result.pressing = std::move(pairs.pressing);
+  result.rate = std::move(pairs.rate);
+  fit_friction(probed, pairs.samples, with, options, result);
+  FittedContacts fitted{.samples = std::move(pairs.samples)};
+  fitted.reference_force = reference_force(fitted.samples, result.model);
+  turn_into_local_frames(fitted.samples, result.model);
   if (result.pressing)
-    take_pressing(samples, fit, result);
+    take_pressing(fitted.samples, with.fit, result);
   else
-    fit_fields(samples, fit, options, result);
+    fit_fields(fitted.samples, with.fit, options, result);
   check_usable(result.contacts);
-  check_predictions(samples, result);
-  return pressed;
+  check_predictions(fitted.samples, result);
+  return fitted;
 }
 
 // Samples of pressing as the contacts around predict them, which do not know the own touch.
@@ -386,11 +387,11 @@ Built build_with(const probing::CheckedAcquisition& acquisition,
     heights.push_back((places[i].position - there * contacts[i].position)
                           .dot(there.linear() * contacts[i].normal.normalized()));
   }
-  std::vector<ForceSamples> samples;  // in the local frames of the contacts
-  const double pressed = fit_contacts(acquisition, source, heights, options, samples, result);
+  const Probed found{acquisition, std::move(source), std::move(heights)};
+  const auto [samples, pressed] = fit_contacts(found, options, result);
   fill_in_friction(result.pressing.has_value(), result.model);
   const std::vector<ForceSamples> predicted =
-      result.pressing ? with_expected_touches(samples, heights, *result.pressing) : samples;
+      result.pressing ? with_expected_touches(samples, found.heights, *result.pressing) : samples;
   if (options.blend_rule != BlendRule::forces && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
     if (!options.blend_rule) choose_rule(predicted, result);
@@ -405,7 +406,7 @@ Built build_with(const probing::CheckedAcquisition& acquisition,
 
 BuildResult build_model(const probing::CheckedAcquisition& acquisition,
                         const geometry::TriangleMesh& surface, const BuildOptions& options) {
-  check_options(options);
+  static_cast<void>(in_range(options));
   Built built = build_with(acquisition, surface, options);
   const auto& pressing = built.result.pressing;
   if (!pressing || !(pressing->offsets.force_found || pressing->offsets.touch_found))

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "build/build_options.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/facing_share.h"
 #include "palpate/geometry/registration.h"
@@ -125,9 +126,9 @@ double extent(const Eigen::Matrix3Xd& points) {
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
-// What contacts that are far from the surface have to do.
-std::string what_brings_near(const std::vector<probing::Contact>& contacts,
-                             const BuildResult& result) {
+// Says what is to be done about contacts that are far from the surface.
+void what_brings_near(const std::vector<probing::Contact>& contacts, const BuildResult& result,
+                      std::vector<MessagePart>& message) {
   constexpr double kOtherUnit = 50;  // units differ by 10 at least, most by 1000
   Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(contacts.size()));
   for (std::size_t i = 0; i < contacts.size(); ++i)
@@ -135,11 +136,16 @@ std::string what_brings_near(const std::vector<probing::Contact>& contacts,
   const double of_contacts = extent(places);
   const double of_surface = geometry::bounding_diagonal(result.model.surface);
   if (of_contacts <= kOtherUnit * of_surface && of_surface <= kOtherUnit * of_contacts) {
-    return "Check that contacts and surface belong together and are in one frame, or raise "
-           "BuildOptions::max_distance. ";
+    message.push_back(
+        {"Check that contacts and surface belong together and are in one frame, or "
+         "raise "});
+    message.push_back({"BuildOptions::max_distance", true});
+    message.push_back({". "});
+    return;
   }
-  return "The contacts extend over " + millimetres(of_contacts) + ", the surface over " +
-         millimetres(of_surface) + ": check the units of both. ";
+  message.push_back({"The contacts extend over " + millimetres(of_contacts) +
+                     ", the surface over " + millimetres(of_surface) +
+                     ": check the units of both. "});
 }
 
 void refuse_misfits(const std::vector<probing::Contact>& contacts, const BuildOptions& options,
@@ -147,16 +153,25 @@ void refuse_misfits(const std::vector<probing::Contact>& contacts, const BuildOp
   const ContactMisfit& first = result.left_out.front();
   const std::string count = std::to_string(result.left_out.size());
   const bool far = first.reason.starts_with("is ");
-  std::string message = "build_model(): contact " + std::to_string(first.id) + " " + first.reason;
-  message += far ? " (registration: " + std::string(to_string(result.registration)) +
-                       "); at most " + millimetres(options.max_distance) + " are allowed. " +
-                       what_brings_near(contacts, result)
-                 : ", those of most others point out of it; normals must point out of the object. "
-                   "Correct it. ";
-  message += (result.left_out.size() == 1 ? std::string("This contact does not fit the surface")
-                                          : count + " contacts do not fit the surface");
-  if (2 * result.left_out.size() < contacts.size())
-    message += "; BuildOptions::max_left_out = " + count + " leaves out as many";
+  std::vector<MessagePart> message = {
+      {"build_model()", true}, {": contact " + std::to_string(first.id) + " " + first.reason}};
+  if (far) {
+    message.push_back({" (registration: " + std::string(to_string(result.registration)) +
+                       "); at most " + millimetres(options.max_distance) + " are allowed. "});
+    what_brings_near(contacts, result, message);
+  } else {
+    message.push_back(
+        {", those of most others point out of it; normals must point out of the "
+         "object. Correct it. "});
+  }
+  message.push_back({result.left_out.size() == 1
+                         ? std::string("This contact does not fit the surface")
+                         : count + " contacts do not fit the surface"});
+  if (2 * result.left_out.size() < contacts.size()) {
+    message.push_back({"; "});
+    message.push_back({"BuildOptions::max_left_out", true});
+    message.push_back({" of " + count + " leaves out as many"});
+  }
   throw InvalidInput(message);
 }
 
@@ -192,8 +207,8 @@ PlacedContacts place_contacts(const std::vector<probing::Contact>& contacts,
                                                 : contacts.size() / probing::kContactsPerMisfit;
   if (result.left_out.size() > most) refuse_misfits(contacts, options, result);
   if (placed.kept.size() < 3) {
-    throw InvalidInput("build_model(): only " + std::to_string(placed.kept.size()) +
-                       " contacts fit the surface; at least three are needed");
+    throw wrong_measurements("only " + std::to_string(placed.kept.size()) +
+                             " contacts fit the surface; at least three are needed");
   }
   return placed;
 }

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string>
 
+#include "build/build_options.h"
 #include "build/pressing_records.h"
 #include "fit/pressing_field.h"
 #include "palpate/core/error.h"
@@ -49,8 +50,9 @@ PressedPath pressed_path(long long contact, std::span<const probing::Sample> sam
     if (k == 0) continue;
     steps.push_back(result.path.time[k] - result.path.time[k - 1]);
     if (steps.back() > 0) continue;
-    throw InvalidInput("build_model(): samples of contact " + std::to_string(contact) +
-                       " have the same time, so that their rate is not known; give each its time");
+    throw wrong_measurements(
+        "samples of contact " + std::to_string(contact) +
+        " have the same time, so that their rate is not known; give each its time");
   }
   const double longest = steps.empty() ? 0 : kLongGap * geometry::median(steps);
   bool outside = true;  // before

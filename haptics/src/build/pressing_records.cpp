@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "build/pressing_records.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 #include <string>
 
+#include "build/build_options.h"
+#include "build/pressing_rate.h"
+#include "fit/pressing_field.h"
 #include "palpate/core/error.h"
 
 namespace palpate::haptics {
@@ -106,6 +111,38 @@ ForceSamples corrected(const PressedContact& contact, const PressingOffsets& off
   }
   result.kinds.assign(static_cast<std::size_t>(result.forces.cols()), PairKind::settled);
   return result;
+}
+
+Pairs pressed_pairs(const Probed& probed, const BuildOptions& options) {
+  const std::optional<int> max_bases = fit_options(options).max_bases;
+  if (max_bases && *max_bases < kFewestPressingBases) {
+    throw InvalidInput(std::vector<MessagePart>{
+        {"BuildOptions::max_bases", true},
+        {fmt::format(" is {}; where all contacts were only pressed, it must be at least {}",
+                     *max_bases, kFewestPressingBases)}});
+  }
+  std::vector<PressedContact> contacts;
+  for (std::size_t i = 0; i < probed.size(); ++i)
+    contacts.push_back(pressed_contact(probed.contact(i), probed.samples(i), probed.heights[i]));
+  PressingOptions with{.estimate_offsets = options.estimate_offsets};
+  if (options.force_noise && *options.force_noise > 0) with.force_noise = options.force_noise;
+  Pairs pairs;
+  if (options.rate) {
+    std::vector<std::span<const probing::Sample>> records;
+    for (std::size_t i = 0; i < probed.size(); ++i) records.push_back(probed.samples(i));
+    PressedRate found =
+        estimate_pressed_rate(contacts, records, with, max_bases.value_or(kMaxConvexBases));
+    pairs.pressing = std::move(found.estimate);
+    pairs.rate = std::move(found.rate);
+    contacts = std::move(found.contacts);
+  } else {
+    pairs.pressing = estimate_pressing(contacts, with);
+  }
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    pairs.samples.push_back(
+        corrected(contacts[i], pairs.pressing->offsets, pairs.pressing->curves[i].touch));
+  }
+  return pairs;
 }
 
 }  // namespace palpate::haptics

@@ -89,6 +89,12 @@ TEST_F(FieldOptions, NameTheFieldsInErrorsOfTheLibrary) {
     EXPECT_EQ(with_option_names(error, app),
               "--min-signal is 2 of full scale; it must be in (0, 1)");
   }
+  try {
+    require("rig.yaml: camera: fx", -1, above(0), "px");
+    FAIL() << "nothing was thrown";
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(with_option_names(error, app), "rig.yaml: camera: fx is -1 px; it must be > 0");
+  }
   haptics::PlaybackOptions other{.hold_ticks = -1};
   try {
     require_in_range(fields_of(other));

@@ -29,8 +29,8 @@ using ::testing::Not;
 // The samples below are exact.
 const BuildOptions kQuick{
     .fit = {.mode = FitMode::local, .accuracy = 0.01, .max_bases = 2, .epsilon = 20},
-    .friction = {.force_noise = 1e-4},
-    .estimate_force_noise = false};
+    .friction = {.steady_error = 0},
+    .force_noise = 1e-4};
 
 // The undeformed surface of the strip's contacts.
 geometry::TriangleMesh strip_sheet() {
@@ -88,9 +88,8 @@ TEST(BuildModel, TakesTheNoiseThatItFindsForFrictionToo) {
   const double force_noise = found.model.noise->force;
   EXPECT_NEAR(force_noise, 0.08, 0.03);
   BuildOptions told;
-  told.fit.noise.force = told.friction.force_noise = force_noise;
-  told.estimate_force_noise = false;
-  told.friction.steady_error *= force_noise / FrictionOptions{}.force_noise;
+  told.force_noise = force_noise;
+  told.friction = {.force_noise = force_noise, .steady_error = 1.5 * force_noise};
   const BuildResult expected = build_model(acquisition, flat_surface(), told);
   for (std::size_t i = 0; i < found.contacts.size(); ++i) {
     EXPECT_NEAR(found.contacts[i].friction.coefficient, expected.contacts[i].friction.coefficient,
@@ -281,7 +280,7 @@ TEST(BuildModel, LeavesOutAsManyContactsThatDoNotFitTheSurfaceAsAllowed) {
   options.max_left_out = 1;
   EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), options); }),
               AllOf(HasSubstr("2 contacts do not fit"), HasSubstr("contact 23 has a normal"),
-                    HasSubstr("BuildOptions::max_left_out = 2")));
+                    HasSubstr("BuildOptions::max_left_out of 2")));
   // Nothing is left of contacts in another unit than the surface.
   probing::Acquisition metres = flat_acquisition();
   for (probing::Contact& contact : metres.contacts) contact.position /= 1000;

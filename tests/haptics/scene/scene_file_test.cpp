@@ -66,9 +66,8 @@ TEST_F(SceneFileTest, PlaysEachObjectAsItSays) {
   scene["objects"][2]["playback"] = {{"tolerance", 1e-3}, {"motion", "brent"}, {"hold_ticks", 3}};
   const SceneFile read = read_scene(file());
   EXPECT_EQ(read.playback[0], PlaybackOptions{});
-  EXPECT_EQ(read.playback[2], (PlaybackOptions{.motion = ContactMotion::brent,
-                                               .tolerance = 1e-3,
-                                               .hold_ticks = 3}));
+  EXPECT_EQ(read.playback[2],
+            (PlaybackOptions{.motion = ContactMotion::brent, .tolerance = 1e-3, .hold_ticks = 3}));
   // The objects 0 and 2 have one model.
   const Scene made = make_scene(read);
   EXPECT_NE(made.objects()[0].playback, made.objects()[2].playback);

@@ -36,10 +36,9 @@ struct NumberField {
 
 /// The value of a field that is one of some words, by its place among them.
 struct ChoiceField {
-  std::optional<std::size_t> value;  ///< none: the field may be left out, and is
+  std::size_t value = 0;
   std::span<const std::string_view> words;
-  bool may_be_absent = false;
-  std::function<void(std::optional<std::size_t>)> set;
+  std::function<void(std::size_t)> set;
 };
 
 /// The value of a field that is a table: rows of numbers, such as points.
@@ -98,8 +97,18 @@ class FieldVisitor {
   /// An enumeration whose values 0, 1, ... have these words.
   template <typename Enum>
   void choice(const Field& field, Enum& value, std::span<const std::string_view> words) {
-    on_choice(field, {static_cast<std::size_t>(value), words, false,
-                      [&value](auto chosen) { value = static_cast<Enum>(*chosen); }});
+    on_choice(field, {static_cast<std::size_t>(value), words,
+                      [&value](auto chosen) { value = static_cast<Enum>(chosen); }});
+  }
+  /// The same with one more word, the last, which stands for none.
+  template <typename Enum>
+  void choice(const Field& field, std::optional<Enum>& value,
+              std::span<const std::string_view> words) {
+    const std::size_t none = words.size() - 1;
+    on_choice(field,
+              {value ? static_cast<std::size_t>(*value) : none, words, [&value, none](auto chosen) {
+                 value = chosen == none ? std::nullopt : std::optional(static_cast<Enum>(chosen));
+               }});
   }
   void table(const Field& field, const TableField& value) { on_table(field, value); }
 
