@@ -14,8 +14,11 @@ from palpate import _palpate
 
 HEAD = """# Options
 
-The options of the library, struct by struct. Each field has the same name everywhere: `min_signal` in C++ and as a keyword
-argument in Python, `--min-signal` on the command line; a flag that is True by default is switched off by `--no-NAME`.
+The options of the library, struct by struct. A field has one name: `min_signal` as a keyword argument in Python, in scene files
+and in the C interface, `--min-signal` on the command line and `min-signal` in project files. A flag that is True by default is
+switched off by `--no-NAME`, and a table is given row by row (`--anchor 320,240,705`). In C++ it is the member of the struct, except
+for some fields of `BuildOptions`: `accuracy`, `passive` (`mode`), `max_bases`, `try_certified`, `compare_always` and
+`displacement_noise` are in its `fit`, and `blend` is `blend_rule`.
 `--help` shows the usual fields, `--help-all` also the *expert* ones, which few users need. A value outside its range is refused.
 
 This page is written by `./dev studies options_page`.

@@ -5,10 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
+#include <type_traits>
 #include <vector>
 
 #include "palpate/core/field_text.h"
+#include "palpate/core/input_file.h"
 #include "shared/call_checks.h"
 
 namespace palpate::apps {
@@ -40,7 +43,7 @@ class OptionMaker : public FieldVisitor {
   }
   void on_flag(const Field& field, bool value, const std::function<void(bool)>& set) override {
     const std::string name = flag_name(field.name, value);
-    const std::string text = (value ? "Not: " : "") + text_of(field);
+    const std::string text = (value ? "Switch off: " : "") + text_of(field);
     keep(field, command_.add_flag_callback(
                     name, [set, value] { set(!value); }, text));
   }
@@ -72,7 +75,7 @@ class OptionMaker : public FieldVisitor {
       set(rows);
     };
     CLI::Option* option = command_.add_option_function<std::vector<double>>(
-        name, take, names + ": " + text_of(field));
+        name, take, names + " (repeat for more): " + text_of(field));
     option->expected(static_cast<int>(value.columns.size()))->take_all()->delimiter(',');
     keep(field, option);
   }
@@ -82,9 +85,23 @@ class OptionMaker : public FieldVisitor {
     CLI::Option* option = command_.add_option_function<Number>(
         option_name(field.name), [set = value.set](const Number& given) { set(given); },
         text_of(field));
-    option->check(within(value.range));
+    option->check(checked<Number>(value.range));
     if (value.value) option->default_str(fmt::format("{}", *value.value));
     keep(field, option);
+  }
+
+  template <typename Number>
+  static CLI::Validator checked(const Interval& range) {
+    if constexpr (std::is_integral_v<Number>) {
+      const std::string right = "a whole number " + to_string(range);
+      return {[range, right](const std::string& text) {
+                const std::optional<Number> number = parse_number<Number>(text);
+                return number && range.contains(*number) ? std::string()
+                                                         : "is " + text + "; it must be " + right;
+              },
+              to_string(range)};
+    }
+    return within(range);
   }
 
   static std::string text_of(const Field& field) {

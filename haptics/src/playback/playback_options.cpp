@@ -15,12 +15,12 @@ constexpr std::array<std::string_view, 3> kMotions{"bracketed", "brent", "fricti
 void visit(PlaybackOptions& options, FieldVisitor& visitor) {
   visitor.begin("PlaybackOptions");
   visitor.real({"unknown_friction",
-                "Coefficient of friction of contacts where the measurements do not tell it; such "
-                "objects were mostly only pressed"},
+                "Coefficient of friction of contacts where the measurements do not tell it, as "
+                "usual for objects that were only pressed"},
                options.unknown_friction, at_least(0).finite());
   visitor.real({"tolerance",
-                "A contact holds while the tangential force exceeds the friction cone by at most "
-                "this, and a slip ends there",
+                "A contact sticks while the tangential force exceeds the friction cone by at most "
+                "this; a slip ends when it is within this again",
                 "N"},
                options.tolerance, above(0).finite());
 
@@ -32,12 +32,12 @@ void visit(PlaybackOptions& options, FieldVisitor& visitor) {
        "the tool's way beyond the friction boundary",
        "", kExpert},
       options.motion, kMotions);
-  visitor.real(
-      {"energy_credit",
-       "Only with the motion bracketed: largest work that the object does on the user from "
-       "touch to release; a slip that would take more ends early (docs/trade-playback.md)",
-       "N mm", kExpert},
-      options.energy_credit, at_least(0));
+  visitor.real({"energy_credit",
+                "Largest net energy that the object may give to the user from touch to release, "
+                "with the motion bracketed; a slip that would give more ends early; inf: no limit "
+                "(docs/trade-playback.md)",
+                "N mm", kExpert},
+               options.energy_credit, at_least(0));
   visitor.real({"largest_jump",
                 "Largest change of the force in a tick, besides the largest stiffness of a contact "
                 "times the movement of the tool",

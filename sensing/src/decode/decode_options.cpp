@@ -59,52 +59,55 @@ void visit(DecodeOptions& options, FieldVisitor& visitor) {
       options.segmentation, kSegmentations);
   visitor.table(
       {.name = "anchors",
-       .description =
-           "Pixels [px] whose depth z [mm] is known, needed by a pattern without "
-           "stripes: one on each surface, away from edges; only their surfaces get depths",
+       .description = "Pixels u,v of known depth z, needed by a pattern without stripes: one on "
+                      "each surface, away from edges; only their surfaces get depths",
+       .unit = "px, px, mm",
        .item = "anchor"},
       {rows_of(options.anchors), kAnchor,
        [&options](const TableField::Rows& rows) { options.anchors = anchors_of(rows); }});
 
   constexpr bool kExpert = true;
-  visitor.real({"min_signal", "A pixel is lit from this light of the projector on", "of full scale",
-                kExpert},
+  visitor.real({"min_signal", "Least light of the projector at which a pixel counts as lit",
+                "fraction of full scale", kExpert},
                options.min_signal, above(0).below(1));
-  visitor.real({"min_modulation", "A phase is used from this amplitude of the sinusoid on",
-                "of full scale", kExpert},
+  visitor.real({"min_modulation", "Least amplitude of the sinusoid at which a phase is used",
+                "fraction of full scale", kExpert},
                options.min_modulation, above(0).below(1));
   visitor.real({"max_phase_sigma",
-                "A phase is used up to this standard deviation, which the noise of the frame and "
-                "the misfit of the sinusoid predict",
+                "Largest standard deviation of a phase that is used, as the noise of the frame and "
+                "the misfit of the sinusoid predict it",
                 "rad", kExpert},
                options.max_phase_sigma, above(0).finite());
-  visitor.real({"min_hue_step", "A stripe edge is where the hue changes by at least this per pixel",
-                "rad", kExpert},
-               options.min_hue_step, above(0).below(kPi));
+  visitor.real(
+      {"min_hue_step", "Least change of the hue per pixel at a stripe edge", "rad", kExpert},
+      options.min_hue_step, above(0).below(kPi));
   visitor.whole({"color_window_px",
                  "Pixels on each side of a stripe edge that classify its colours; fewer in narrow "
                  "stripes",
                  "px", kExpert},
                 options.color_window_px, at_least(1));
   visitor.real({"min_color_score",
-                "A side of a stripe edge is trusted from this mean probability of its colour on",
+                "Least mean probability of its colour at which a side of a stripe edge is trusted",
                 "", kExpert},
                options.min_color_score, above(0).below(1));
-  visitor.real({"max_phase_variance", "Smooth regions consist of pixels up to this variance",
+  visitor.real({"max_phase_variance",
+                "Largest variance of the phases in the neighbourhood of a pixel that belongs to a "
+                "smooth region",
                 "rad^2", kExpert},
                options.max_phase_variance, above(0).finite());
-  visitor.real({"max_phase_step", "Regions are split where the phase steps by more per pixel",
-                "rad", kExpert},
-               options.max_phase_step, above(0).below(kPi));
+  visitor.real(
+      {"max_phase_step", "Largest change of the phase from a pixel to the next within a region",
+       "rad", kExpert},
+      options.max_phase_step, above(0).below(kPi));
   visitor.real({"min_agreement",
-                "A phase offset is accepted if this share of the stripe edges agrees on it, and a "
-                "depth if this share of the colours around it does",
+                "Least share of the stripe edges that must agree on a phase offset, and of the "
+                "colours around a depth that must agree with it",
                 "", kExpert},
                options.min_agreement, above(0.5).at_most(1));
-  visitor.real({"max_sensitivity",
-                "A depth z is kept if it changes by at most this share of z per rad of phase",
-                "1/rad", kExpert},
-               options.max_sensitivity, above(0).finite());
+  visitor.real(
+      {"max_sensitivity", "Largest change of a depth with the phase, as a share of the depth",
+       "1/rad", kExpert},
+      options.max_sensitivity, above(0).finite());
 }
 
 void check_anchors(const std::vector<Anchor>& anchors, const Pattern& pattern,

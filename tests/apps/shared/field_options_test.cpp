@@ -64,7 +64,8 @@ TEST_F(FieldOptions, AreRefusedOutsideTheirRange) {
               HasSubstr("--window-periods: is 9; it must be in [1.25, 8]"));
   EXPECT_THAT(refusal("--window-periods nan"), HasSubstr("it must be in [1.25, 8]"));
   EXPECT_THAT(refusal("--segmentation fire"), HasSubstr("it must be flood or snakes"));
-  EXPECT_THAT(refusal("--color-window-px 2.5"), HasSubstr("2.5"));
+  EXPECT_THAT(refusal("--color-window-px 2.5"),
+              HasSubstr("--color-window-px: is 2.5; it must be a whole number >= 1"));
   EXPECT_THAT(refusal("--anchor 1,2,700,4"), Not(HasSubstr("unknown")));
   EXPECT_NE(refusal("--anchor 1,2,700,4"), "");
 }
@@ -87,7 +88,7 @@ TEST_F(FieldOptions, NameTheFieldsInErrorsOfTheLibrary) {
     FAIL() << "nothing was thrown";
   } catch (const InvalidInput& error) {
     EXPECT_EQ(with_option_names(error, app),
-              "--min-signal is 2 of full scale; it must be in (0, 1)");
+              "--min-signal is 2 fraction of full scale; it must be in (0, 1)");
   }
   try {
     require("rig.yaml: camera: fx", -1, above(0), "px");
