@@ -16,6 +16,10 @@ function(palpate_add_module name)
   target_sources(palpate_${name} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${ARG_HEADERS}
                  PUBLIC FILE_SET converters TYPE HEADERS BASE_DIRS include FILES ${ARG_CONVERTERS})
   target_include_directories(palpate_${name} PRIVATE src)
+  # Several sources at once, because most of the time goes to headers. The preset dev compiles each alone.
+  if(NOT DEFINED CMAKE_UNITY_BUILD)
+    set_target_properties(palpate_${name} PROPERTIES UNITY_BUILD ON)
+  endif()
   target_compile_features(palpate_${name} PUBLIC cxx_std_20)
   # Results must not depend on which clone of a function the processor picks: no fused multiply-add.
   target_compile_options(palpate_${name} PRIVATE -ffp-contract=off)

@@ -37,7 +37,7 @@ def options_of_commands(program):
         if below:
             waiting += [[*words, name] for name in re.findall(r"^  ([a-z]\w*)", below.group(1), re.M)]
         else:
-            commands[" ".join(words)] = set(re.findall(r"--[a-z][a-z-]*", help_of(words, "--help-all")))
+            commands[" ".join(words)] = set(re.findall(r"--[a-z][a-z0-9-]*", help_of(words, "--help-all")))
     return commands
 
 

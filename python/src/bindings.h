@@ -23,10 +23,13 @@ void add_surface_functions(py::module_& module);
 void add_clouds(py::module_& module);
 void add_geodesics(py::module_& module);
 void add_scans(py::module_& module);
+void add_tracking(py::module_& module);
 void add_sensing(py::module_& module);
 void add_probing(py::module_& module);
 void add_simulation(py::module_& module);
 void add_fitting(py::module_& module);
+void add_evaluation(py::module_& module);
+void add_derived_models(py::module_& module);
 void add_playback(py::module_& module);
 
 /// Options follow `*` and are given by name.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/geometry/option_lists.h"
 #include "palpate/haptics/option_lists.h"
 #include "palpate/sensing/option_lists.h"
 
@@ -152,6 +153,7 @@ class Describer : public FieldVisitor {
 
 py::list option_lists() {
   Describer describer;
+  geometry::visit_options(describer);
   sensing::visit_options(describer);
   haptics::visit_options(describer);
   py::list lists;

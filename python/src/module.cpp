@@ -77,9 +77,12 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_geodesics(module);
   python::add_clouds(module);
   python::add_scans(module);
+  python::add_tracking(module);
   python::add_sensing(module);
   python::add_probing(module);
   python::add_fitting(module);
+  python::add_evaluation(module);
+  python::add_derived_models(module);
   python::add_simulation(module);
   python::add_playback(module);
   module.def(

@@ -7,6 +7,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "long_work.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/merge_scans.h"
@@ -66,22 +67,11 @@ void add_merging(py::module_& module) {
           "Read this before you use the mesh: (scan, other, share, depth [mm]) of the pairs of "
           "scans that disagree, the worst first. A share of the places that the first saw lies "
           "behind the surface of the other.");
-  module.def(
-      "merge_scans",
-      [](const std::vector<TriangleMesh>& meshes, const std::vector<py::object>& poses,
-         const std::vector<py::object>& sigmas, const std::optional<double>& spacing, double reach,
-         double max_memory, const py::object& progress) {
-        const std::vector<Scan> scans = scans_of(meshes, poses, sigmas);
-        LongWork work(progress);
-        const MergeScansOptions options{.spacing = spacing,
-                                        .reach = reach,
-                                        .max_memory = max_memory,
-                                        .progress = work.report()};
-        return work.run([&] { return geometry::merge_scans(scans, options); });
-      },
-      arg("meshes"), kw_only(), arg("poses") = py::tuple(), arg("sigmas") = py::tuple(),
-      arg("spacing") = py::none(), arg("reach") = MergeScansOptions{}.reach,
-      arg("max_memory") = MergeScansOptions{}.max_memory, arg("progress") = py::none(),
+  MergeScansOptions usual;
+  const std::string doc = described(
+      "merge_scans(meshes: Sequence[TriangleMesh], *, poses: Sequence[ArrayLike] = (), sigmas: "
+      "Sequence[ArrayLike] = (), progress: Callable | None = None",
+      "MergedScans",
       R"(Merges overlapping scans into one surface that averages them.
 
 meshes: their triangles face the outside of the object.
@@ -89,11 +79,25 @@ poses: a (4, 4) matrix for each mesh, from its frame to that of the object, as
 Registration.T_target_source; without them, all meshes are in one frame.
 sigmas: [mm] for each mesh the standard deviations of its vertices, (V,); without them, all weigh
 the same.
-spacing: [mm] about the edge length of the result; None: the median edge length of the meshes.
-reach: scans within this many spacings of each other are averaged.
-max_memory: [GB] a finer grid is refused before it is computed.
 progress: called as progress(done, total), several times for each mesh; Ctrl-C is heard then.
-Raises InvalidInput or SolverError.)");
+Raises InvalidInput or SolverError.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "merge_scans",
+      [](const std::vector<TriangleMesh>& meshes, const std::vector<py::object>& poses,
+         const std::vector<py::object>& sigmas, const py::object& progress,
+         const py::kwargs& keywords) {
+        MergeScansOptions options;
+        set_fields(fields_of(options), keywords);
+        const std::vector<Scan> scans = scans_of(meshes, poses, sigmas);
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run([&] { return geometry::merge_scans(scans, options); });
+      },
+      arg("meshes"), kw_only(), arg("poses") = py::tuple(), arg("sigmas") = py::tuple(),
+      arg("progress") = py::none(), doc.c_str());
 }
 
 void add_hole_filling(py::module_& module) {

@@ -14,6 +14,7 @@
 #include "palpate/probing/acquisition_store.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
 #include "shared/plausible.h"
@@ -191,17 +192,8 @@ void add_evaluate(CLI::App& app, const Settings& settings) {
   command->add_option(
       "--leave-one-out", call->acquisition,
       "Acquisition that the model was fitted to: predict each contact from the others");
-  command
-      ->add_option("--max-distance", call->query_options.max_distance,
-                   "Reject queries that are farther from the surface [mm]")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
-  command
-      ->add_option("--suggestions", call->leave_one_out.suggestions,
-                   "With --leave-one-out: number of positions for further contacts to suggest, "
-                   "where the expected error is largest")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
+  add_fields(*command, fields_of(call->query_options));
+  add_fields(*command, fields_of(call->leave_one_out));
   command->add_option("--picture", call->picture,
                       "Also draw the errors of --leave-one-out on the surface (PNG)");
   command->footer(

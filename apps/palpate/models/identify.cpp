@@ -14,6 +14,7 @@
 #include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/plausible.h"
 
 namespace palpate::apps {
@@ -143,17 +144,7 @@ void add_identify(CLI::App& app, const Settings& settings) {
       ->add_option("--tool-radius", call->tool_radius,
                    "For the half-space: radius of the tool's flat end [mm]")
       ->check(within(above(0)));
-  auto* displacement =
-      command
-          ->add_option("--displacement-noise", call->options.displacement_noise,
-                       "Standard deviation of positions [mm] (default: estimated from repetitions)")
-          ->check(within(above(0)));
-  auto* force = command
-                    ->add_option("--force-noise", call->options.force_noise,
-                                 "Standard deviation of forces [N]; needs --displacement-noise")
-                    ->check(within(at_least(0)));
-  displacement->needs(force);
-  force->needs(displacement);
+  add_fields(*command, fields_of(call->options));
   command->footer(
       "Parameters of the strip: tension and axial stiffness (force per strain) of the sheet, "
       "positions of its supports along the axis, lateral stiffness against motion across the "

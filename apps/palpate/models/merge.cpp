@@ -14,11 +14,11 @@
 #include "palpate/haptics/model_io.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
 #include "shared/pose_file.h"
 #include "shared/scan_registration.h"
-#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -29,7 +29,6 @@ using Json = nlohmann::ordered_json;
 struct MergeCall {
   std::vector<fs::path> models, poses;
   fs::path output, picture;
-  bool average = false;
   ScanRegistration registration;
   haptics::MergeModelsOptions options;
 };
@@ -63,16 +62,6 @@ Json register_sides(const MergeCall& call, std::vector<haptics::SideModel>& side
   return figures;
 }
 
-haptics::MergedModel merged_models(const std::vector<haptics::SideModel>& sides,
-                                   const haptics::MergeModelsOptions& options) {
-  try {
-    return haptics::merge_models(sides, options);
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(
-        with_option_names(error.what(), {{"MergeModelsOptions::max_distance", "--max-distance"}}));
-  }
-}
-
 void merge(const Settings& settings, const MergeCall& call) {
   std::vector<fs::path> inputs = call.models;
   inputs.insert(inputs.end(), call.poses.begin(), call.poses.end());
@@ -82,9 +71,7 @@ void merge(const Settings& settings, const MergeCall& call) {
   std::vector<haptics::SideModel> sides = read_sides(call);
   Json registered = Json::array();
   if (call.registration.wanted) registered = register_sides(call, sides);
-  haptics::MergeModelsOptions options = call.options;
-  if (call.average) options.surface = haptics::MergedSurface::averaged;
-  const haptics::MergedModel merged = merged_models(sides, options);
+  const haptics::MergedModel merged = haptics::merge_models(sides, call.options);
   haptics::write_model(call.output, merged.model);
   if (!call.picture.empty())
     draw_model_contacts(call.picture, merged.model,
@@ -145,23 +132,7 @@ void add_merge(CLI::App& app, const Settings& settings) {
       "Pose of a model: a text file with its 4 x 4 matrix (rotation and translation "
       "[mm]), one per model in the same order (default: all models are in one frame)");
   add_scan_registration(*command, "model", call->registration);
-  command->add_flag("--average", call->average,
-                    "Fit one smooth surface to all, instead of joining the measured ones at seams");
-  command
-      ->add_option("--fill-holes", call->options.fill_holes,
-                   "Fill holes of the merged surface up to this diameter [mm]")
-      ->check(within(above(0)));
-  command
-      ->add_option("--max-distance", call->options.max_distance,
-                   "Reject a contact that is farther from the merged surface [mm]")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--same-place", call->options.same_place,
-          "Contacts of two models that are at most this far apart count as one; the one that fits "
-          "better is kept [mm] (default: a quarter of the median distance between neighbours)")
-      ->check(within(at_least(0)));
+  add_fields(*command, fields_of(call->options));
   command->add_option("--picture", call->picture,
                       "Draw the merged surface, its contacts and their triangulation (PNG)");
   command->footer(

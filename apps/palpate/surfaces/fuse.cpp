@@ -20,6 +20,7 @@
 #include "palpate/pictures/draw_mesh.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/pose_file.h"
 #include "shared/progress.h"
@@ -246,21 +247,7 @@ void add_fuse(CLI::App& app, const Settings& settings) {
   add_scan_registration(*command, "scan", call->registration);
   add_camera_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
-  command
-      ->add_option("--spacing", call->options.spacing,
-                   "Spacing of the grid, and about the edge length of the surface [mm] (default: "
-                   "the median edge length of the scans)")
-      ->check(within(above(0).finite()));
-  command
-      ->add_option("--reach", call->options.reach,
-                   "Average scans that are within this many spacings of each other")
-      ->check(within(at_least(2).finite()))
-      ->capture_default_str();
-  command
-      ->add_option("--max-memory", call->options.max_memory,
-                   "Refuse a grid that needs more memory than this [GB]")
-      ->check(within(above(0)))
-      ->capture_default_str();
+  add_fields(*command, fields_of(call->options));
   command->add_flag("--force", call->force,
                     "Fuse scans that disagree where they overlap, which is refused otherwise");
   command->add_option("--picture", call->picture, "Also draw the surface (PNG)");

@@ -16,15 +16,16 @@
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/surface_tracker.h"
 #include "palpate/pictures/draw_distances.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
 #include "shared/result_folder.h"
 #include "surfaces/node_motions_file.h"
-#include "surfaces/surface_tracker.h"
 #include "surfaces/track_record.h"
 
 namespace palpate::apps {
@@ -33,17 +34,13 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// More nodes than a graph can be solved with, and steps than a frame can need.
-constexpr int kMostNodes = 100000;
-constexpr int kMostSteps = 10000;
-
 struct TrackCall {
   fs::path input, reference, output;
   fs::path place;  ///< where this run writes, for `output`
   MapCamera camera;
   std::string format = "ply";
   geometry::ReadOptions meshes;
-  TrackingOptions tracking;
+  geometry::TrackingOptions tracking;
   bool pictures = false;
   bool resume = false;
 };
@@ -97,31 +94,26 @@ Reference load_reference(const TrackCall& call, const fs::path& first_map) {
 }
 
 /// All that the meshes depend on besides the range maps.
-nlohmann::ordered_json settings_of(const TrackCall& call, const fs::path& reference,
+nlohmann::ordered_json settings_of(TrackCall call, const fs::path& reference,
                                    const fs::path& first_map) {
   const bool needs_rig = call.camera.intrinsics.empty();
-  return {{"version", PALPATE_VERSION},
-          {"--reference", fingerprint(reference)},
-          {"--unit", call.meshes.unit.value_or(0)},
-          {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
-          {"--scale", call.camera.scale.value_or(0)},
-          {"--intrinsics", call.camera.intrinsics},
-          {"--nodes", call.tracking.graph.nodes},
-          {"--stiffness", call.tracking.registration.stiffness},
-          {"--reach", call.tracking.registration.max_correspondence},
-          {"--iterations", call.tracking.registration.max_iterations},
-          {"--min-visible", call.tracking.min_visible},
-          {"--max-stretch", call.tracking.max_stretch},
-          {"--from-reference", call.tracking.from_reference},
-          {"--format", call.format}};
+  nlohmann::ordered_json settings = {
+      {"version", PALPATE_VERSION},
+      {"--reference", fingerprint(reference)},
+      {"--unit", call.meshes.unit.value_or(0)},
+      {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
+      {"--scale", call.camera.scale.value_or(0)},
+      {"--intrinsics", call.camera.intrinsics},
+      {"--format", call.format}};
+  settings.update(option_values(fields_of(call.tracking)));
+  return settings;
 }
 
 /// Draws the surface that was found in `range_map`, unless nothing of it was measured.
-void draw(const TrackCall& call, const fs::path& range_map, const SurfaceTracker& tracker,
-          double rms) {
-  const geometry::DeformedSurface& surface = tracker.surface();
-  const geometry::TriangleMesh mesh{.vertices = surface.vertices,
-                                    .triangles = tracker.graph().mesh().triangles};
+void draw(const TrackCall& call, const fs::path& range_map, const Eigen::Matrix3Xi& triangles,
+          const geometry::TrackedSurface& found) {
+  const geometry::DeformedSurface& surface = found.surface;
+  const geometry::TriangleMesh mesh{.vertices = surface.vertices, .triangles = triangles};
   Eigen::VectorXd distances(mesh.triangles.cols());  // NaN unless all corners are measured
   for (Eigen::Index t = 0; t < distances.size(); ++t)
     distances[t] = surface.distance(mesh.triangles.col(t)).mean();
@@ -132,26 +124,27 @@ void draw(const TrackCall& call, const fs::path& range_map, const SurfaceTracker
       picture_file(call, range_map), mesh, distances,
       {.title =
            range_map.filename().string() + ": distance of the tracked surface from the range map",
-       .subtitle = fmt::format("root mean square {:.3f} mm; grey was not measured", rms),
+       .subtitle =
+           fmt::format("root mean square {:.3f} mm; grey was not measured", found.figures.rms),
        .limit = std::max(error.p95, kLeastScale)});
 }
 
 /// Writes what the tracker found. The record of the frame has to be written after it.
-void write(const TrackCall& call, const fs::path& range_map, const SurfaceTracker& tracker,
-           double rms) {
-  const geometry::DeformedSurface& surface = tracker.surface();
+void write(const TrackCall& call, const fs::path& range_map,
+           const geometry::DeformationGraph& graph, const geometry::TrackedSurface& found) {
+  const Eigen::Matrix3Xi& triangles = graph.mesh().triangles;
   geometry::MeshFile mesh;
-  mesh.mesh = {.vertices = surface.vertices, .triangles = tracker.graph().mesh().triangles};
+  mesh.mesh = {.vertices = found.surface.vertices, .triangles = triangles};
   const auto add = [&](const char* name, const Eigen::VectorXd& values) {
     geometry::set_attribute(mesh.vertex_attributes,
                             {.name = name,
                              .values = std::vector<float>(values.begin(), values.end()),
                              .list_sizes = {}});
   };
-  add("distance", surface.distance);
-  add("confidence", tracking_confidence(surface));
-  if (call.pictures) draw(call, range_map, tracker, rms);
-  write_node_motions(nodes_file(call, range_map), tracker.graph(), surface.node_motions);
+  add("distance", found.surface.distance);
+  add("confidence", found.confidence);
+  if (call.pictures) draw(call, range_map, triangles, found);
+  write_node_motions(nodes_file(call, range_map), graph, found.surface.node_motions);
   geometry::write_mesh_file(mesh_file(call, range_map), mesh);
 }
 
@@ -163,13 +156,21 @@ struct Tracking {
   double seconds = 0;        ///< for those that are not kept
 };
 
+/// What became of a range map, and the surface in it unless it is lost.
+struct FrameResult {
+  TrackedFrame frame;
+  geometry::TrackedSurface found;
+};
+
 /// \throws InvalidInput if the first surface that was measured is not where the reference lies.
-TrackedFrame track_one(const TrackCall& call, const Reference& reference, const fs::path& file,
-                       SurfaceTracker& tracker) {
+FrameResult track_one(const TrackCall& call, const Reference& reference, const fs::path& file,
+                      geometry::SurfaceTracker& tracker) {
   const auto lost = [&](const std::string& why) {
     spdlog::error("{}", why);
-    return TrackedFrame{
-        .range_map = file.filename().string(), .fingerprint = fingerprint(file), .lost = why};
+    return FrameResult{.frame = {.range_map = file.filename().string(),
+                                 .fingerprint = fingerprint(file),
+                                 .lost = why},
+                       .found = {}};
   };
   geometry::RangeMap map;
   try {
@@ -178,24 +179,28 @@ TrackedFrame track_one(const TrackCall& call, const Reference& reference, const 
     return lost(error.what());
   }
   if (!(map.z > 0).any()) return lost(file.string() + ": no pixel has a depth");
-  TrackedFrame frame = tracker.track(map);
-  frame.range_map = file.filename().string();
-  frame.fingerprint = fingerprint(file);
-  if (frame.lost.empty()) return frame;
+  geometry::TrackedSurface found = tracker.track(map);
+  if (found.lost.empty()) {
+    const TrackedFrame frame{.range_map = file.filename().string(),
+                             .fingerprint = fingerprint(file),
+                             .lost = {},
+                             .figures = found.figures};
+    return {.frame = frame, .found = std::move(found)};
+  }
   if (!tracker.has_start()) {
     throw InvalidInput(fmt::format(
         "{}: does not lie at the pose of the first frame, {}: {}. Give a reference at that pose, "
         "or move it there: palpate compare {} {} --align -o aligned.ply",
-        reference.file.string(), file.string(), frame.lost, reference.file.string(),
+        reference.file.string(), file.string(), found.lost, reference.file.string(),
         file.string()));
   }
-  return lost(file.string() + ": " + frame.lost);
+  return lost(file.string() + ": " + found.lost);
 }
 
 /// Tracks the frames that are not kept, and adds them to `tracking`.
 void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const Reference& reference,
                const ResultFolder& folder, TrackRecord& record, Tracking& tracking) {
-  SurfaceTracker tracker(call.tracking, reference.mesh);
+  geometry::SurfaceTracker tracker(call.tracking, reference.mesh);
   for (const TrackedFrame& frame : tracking.frames) {
     if (!frame.lost.empty()) spdlog::error("{}", frame.lost);
   }
@@ -214,20 +219,22 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
   const Clock::time_point start = Clock::now();
   while (tracking.frames.size() < maps.size()) {
     const fs::path& file = maps[tracking.frames.size()];
-    tracking.frames.push_back(track_one(call, reference, file, tracker));
-    const TrackedFrame& frame = tracking.frames.back();
+    const FrameResult result = track_one(call, reference, file, tracker);
+    tracking.frames.push_back(result.frame);
+    const bool is_found = result.frame.lost.empty();
     // Before a frame is found nothing is written: the call may be wrong.
     if (tracker.has_start()) {
       if (tracking.recorded == tracking.kept) folder.begin();
       record.begin();
-      if (frame.lost.empty()) write(call, file, tracker, frame.rms);
+      if (is_found) write(call, file, tracker.graph(), result.found);
       for (; tracking.recorded < tracking.frames.size(); ++tracking.recorded)
         record.add(tracking.frames[tracking.recorded]);
     }
-    if (frame.lost.empty()) {
+    if (is_found) {
+      const geometry::TrackingFigures& figures = result.frame.figures;
       spdlog::info("{}: RMS {:.3f} mm, {:.1f} % of the vertices measured, {} iterations{}",
-                   file.string(), frame.rms, 100 * frame.measured, frame.iterations,
-                   frame.settled ? "" : ", not settled");
+                   file.string(), figures.rms, 100 * figures.measured, figures.iterations,
+                   figures.settled ? "" : ", not settled");
     }
     show();
   }
@@ -258,13 +265,14 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
     if (frame.lost.empty()) {
       const std::string file = (call.output / mesh_name(call, frame.range_map)).string();
       entry["file"] = file;
-      rms.push_back(frame.rms);
-      confidence.push_back(frame.confidence);
+      const geometry::TrackingFigures& figures = frame.figures;
+      rms.push_back(figures.rms);
+      confidence.push_back(figures.confidence);
       prose += fmt::format(
           "{} -> {}: RMS {:.3f} mm, 95 % within {:.3f} mm, largest {:.3f} mm; {:.1f} % of the "
           "vertices measured{}{}\n",
-          frame.range_map, file, frame.rms, frame.p95, frame.max, 100 * frame.measured,
-          frame.settled ? "" : "; not settled",
+          frame.range_map, file, figures.rms, figures.p95, figures.max, 100 * figures.measured,
+          figures.settled ? "" : "; not settled",
           i < tracking.kept ? "; kept from an earlier run" : "");
     } else {
       lost.push_back(frame.range_map);
@@ -356,46 +364,7 @@ void add_track(CLI::App& app, const Settings& settings) {
   command->add_option("--format", call->format, "Format of the meshes: ply or obj")
       ->check(one_of({"ply", "obj"}))
       ->capture_default_str();
-  command
-      ->add_option("--nodes", call->tracking.graph.nodes,
-                   "Number of nodes that deform the surface; more follow smaller dents and take "
-                   "longer")
-      ->check(within(at_least(1).at_most(kMostNodes)))
-      ->capture_default_str();
-  command
-      ->add_option("--stiffness", call->tracking.registration.stiffness,
-                   "Resistance of the surface to deformation: a low value follows small dents and "
-                   "noise, a high one bridges holes smoothly")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  command
-      ->add_option("--reach", call->tracking.registration.max_correspondence,
-                   "Largest distance of the surface from the reference in the first frame, as a "
-                   "fraction of the reference's diagonal; from frame to frame it may move by about "
-                   "a third of it")
-      ->check(within(at_least(geometry::NonRigidOptions{}.min_correspondence).at_most(1)))
-      ->capture_default_str();
-  command
-      ->add_option("--iterations", call->tracking.registration.max_iterations,
-                   "Largest number of registration steps per frame")
-      ->check(within(at_least(1).at_most(kMostSteps)))
-      ->capture_default_str();
-  command
-      ->add_option("--min-visible", call->tracking.min_visible,
-                   "A frame is lost if a smaller fraction of the vertices that face the camera "
-                   "lies on the measured surface")
-      ->check(within(at_least(0).at_most(1)))
-      ->capture_default_str();
-  command
-      ->add_option(
-          "--max-stretch", call->tracking.max_stretch,
-          "The reference is refused if its edges must be stretched by more than this fraction "
-          "(median), times its visible fraction, to lie on the first range map")
-      ->check(within(at_least(0).finite()))
-      ->capture_default_str();
-  command->add_flag("--from-reference", call->tracking.from_reference,
-                    "Start every frame from the reference instead of the previous frame: errors do "
-                    "not accumulate, but the surface has to stay within --reach of the reference");
+  add_fields(*command, fields_of(call->tracking));
   command->add_flag("--pictures", call->pictures,
                     "Also draw each mesh coloured by its distance from the range map (PNG)");
   command->add_flag("--resume", call->resume,

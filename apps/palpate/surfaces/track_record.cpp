@@ -33,15 +33,15 @@ TrackedFrame tracked_frame(const Json& json) {
     frame.lost = json.at("lost");
     return frame;
   }
-  frame.rms = json.at("rms");
-  frame.p95 = json.at("p95");
-  frame.max = json.at("max");
-  frame.measured = json.at("measured");
-  frame.visible = json.at("visible");
-  frame.stretch = json.at("stretch");
-  frame.confidence = json.at("confidence");
-  frame.iterations = json.at("iterations");
-  frame.settled = json.at("settled");
+  frame.figures = {.rms = json.at("rms"),
+                   .p95 = json.at("p95"),
+                   .max = json.at("max"),
+                   .measured = json.at("measured"),
+                   .visible = json.at("visible"),
+                   .stretch = json.at("stretch"),
+                   .confidence = json.at("confidence"),
+                   .iterations = json.at("iterations"),
+                   .settled = json.at("settled")};
   return frame;
 }
 
@@ -100,15 +100,16 @@ Json to_json(const TrackedFrame& frame) {
     json["lost"] = frame.lost;
     return json;
   }
-  json["rms"] = frame.rms;
-  json["p95"] = frame.p95;
-  json["max"] = frame.max;
-  json["measured"] = frame.measured;
-  json["visible"] = frame.visible;
-  json["stretch"] = frame.stretch;
-  json["confidence"] = frame.confidence;
-  json["iterations"] = frame.iterations;
-  json["settled"] = frame.settled;
+  const geometry::TrackingFigures& figures = frame.figures;
+  json["rms"] = figures.rms;
+  json["p95"] = figures.p95;
+  json["max"] = figures.max;
+  json["measured"] = figures.measured;
+  json["visible"] = figures.visible;
+  json["stretch"] = figures.stretch;
+  json["confidence"] = figures.confidence;
+  json["iterations"] = figures.iterations;
+  json["settled"] = figures.settled;
   return json;
 }
 

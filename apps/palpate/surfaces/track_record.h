@@ -9,24 +9,17 @@
 #include <string>
 #include <vector>
 
+#include "palpate/geometry/surface_tracker.h"
 #include "shared/run_record.h"
 
 namespace palpate::apps {
 
 /// What became of one range map.
 struct TrackedFrame {
-  std::string range_map;    ///< name of its file
-  std::string fingerprint;  ///< of its content
-  std::string lost;         ///< why the surface was not found; empty if it was, as are the rest:
-  double rms = 0;           ///< [mm] distances of measured vertices from the measured surface
-  double p95 = 0;           ///< [mm]
-  double max = 0;           ///< [mm]
-  double measured = 0;      ///< fraction of all vertices that lie on the measured surface
-  double visible = 0;       ///< the same of those that face the camera
-  double stretch = 0;       ///< median relative change in edge length since the last tracked frame
-  double confidence = 0;    ///< median of `tracking_confidence` where the surface is measured
-  int iterations = 0;
-  bool settled = false;  ///< the nodes moved no more before the iterations ended
+  std::string range_map;                   ///< name of its file
+  std::string fingerprint;                 ///< of its content
+  std::string lost;                        ///< why the surface was not found; empty if it was
+  geometry::TrackingFigures figures = {};  ///< of a frame that is not lost
 };
 
 /// The members of a frame as in the record.

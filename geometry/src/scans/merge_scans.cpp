@@ -134,10 +134,21 @@ Eigen::Matrix3Xi without_scraps(const TriangleMesh& mesh, double size) {
 
 }  // namespace
 
-MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& options) {
-  require("MergeScansOptions::spacing", options.spacing, above(0).finite(), "mm");
-  require("MergeScansOptions::reach", options.reach, at_least(2).finite());
-  require("MergeScansOptions::max_memory", options.max_memory, above(0), "GB");
+void visit(MergeScansOptions& options, FieldVisitor& visitor) {
+  visitor.begin("MergeScansOptions");
+  visitor.real({"spacing",
+                "Spacing of the grid, and about the edge length of the merged surface; at most the "
+                "size of the scans. Without it: the median edge length of the scans",
+                "mm"},
+               options.spacing, above(0).finite());
+  visitor.real({"reach", "Average scans that are within this many spacings of each other"},
+               options.reach, at_least(2).finite());
+  visitor.real({"max_memory", "Refuse a grid that needs more memory than this", "GB"},
+               options.max_memory, above(0));
+}
+
+MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& given) {
+  const MergeScansOptions options = in_range(given);
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "merge_scans");
   require_manifold(meshes, "merge_scans");
   bool know_sigma = true;

@@ -278,9 +278,15 @@ std::vector<Query> read_queries(const std::filesystem::path& path) {
   return queries;
 }
 
+void visit(QueryOptions& options, FieldVisitor& visitor) {
+  visitor.begin("QueryOptions");
+  visitor.real({"max_distance", "Refuse queries that are farther from the surface", "mm"},
+               options.max_distance, at_least(0));
+}
+
 QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
-                             const QueryOptions& options) {
-  require("QueryOptions::max_distance", options.max_distance, at_least(0), "mm");
+                             const QueryOptions& given) {
+  const QueryOptions options = in_range(given);
   if (queries.empty())
     throw InvalidInput("evaluate_queries(): there is no query; pass at least one");
   const BlendedField field(model);
@@ -317,10 +323,18 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
   return result;
 }
 
+void visit(LeaveOneOutOptions& options, FieldVisitor& visitor) {
+  visitor.begin("LeaveOneOutOptions");
+  visitor.whole({"suggestions",
+                 "Number of positions for further contacts to suggest, where the expected error is "
+                 "largest"},
+                options.suggestions, at_least(0));
+}
+
 LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition& acquisition,
-                          const LeaveOneOutOptions& options) {
+                          const LeaveOneOutOptions& given) {
+  const LeaveOneOutOptions options = in_range(given);
   check_model(model);
-  require("LeaveOneOutOptions::suggestions", options.suggestions, at_least(0));
   if (model.contacts.size() < 4) {
     throw InvalidInput(
         "leave_one_out(): the model has three contacts; without one of them nothing is left "

@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <optional>
 #include <set>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "build/align_frames.h"
@@ -45,11 +47,7 @@ std::string side_name(std::span<const SideModel> sides, std::size_t side) {
   return sides[side].name.empty() ? number : number + " (" + sides[side].name + ")";
 }
 
-void check_options(const MergeModelsOptions& options) {
-  require("MergeModelsOptions::fill_holes", options.fill_holes, at_least(0), "mm");
-  require("MergeModelsOptions::max_distance", options.max_distance, at_least(0), "mm");
-  require("MergeModelsOptions::same_place", options.same_place, at_least(0), "mm");
-}
+constexpr std::array<std::string_view, 2> kSurfaces{"zippered", "averaged"};
 
 // The pose with an exact rotation, because a text file may give only six digits.
 Eigen::Isometry3d exact_pose(std::span<const SideModel> sides, std::size_t side) {
@@ -121,10 +119,11 @@ void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions
                              ": contact " + std::to_string(candidate.source.id);
     const ClosestPoint place = query.closest_point(candidate.contact.position);
     if (!(place.distance <= options.max_distance)) {
-      throw InvalidInput(fmt::format(
-          "{} is {:g} mm from the merged surface; at most {:g} mm are allowed. Check the poses, or "
-          "raise MergeModelsOptions::max_distance",
-          name, place.distance, options.max_distance));
+      throw InvalidInput(
+          {{fmt::format("{} is {:g} mm from the merged surface; at most {:g} mm are allowed. Check "
+                        "the poses, or raise ",
+                        name, place.distance, options.max_distance)},
+           {"MergeModelsOptions::max_distance", true}});
     }
     // A triangle without area has a NaN normal, which is no reason to refuse.
     if (normals.col(place.at.triangle).dot(candidate.outward) < 0) {
@@ -320,7 +319,7 @@ void tell_origin(std::span<const SideModel> sides, const std::vector<Eigen::Isom
                  const MergeModelsOptions& options, MergedModel& merged) {
   auto& made = merged.model.made;
   made["merged"] = std::to_string(sides.size()) + " models";
-  made["surface"] = options.surface == MergedSurface::zippered ? "zippered" : "averaged";
+  made["surface"] = kSurfaces[static_cast<std::size_t>(options.surface)];
   for (std::size_t k = 0; k < sides.size(); ++k) {
     const std::string side = "model " + std::to_string(k);
     const std::string made_before = side + " made ";
@@ -337,8 +336,26 @@ void tell_origin(std::span<const SideModel> sides, const std::vector<Eigen::Isom
 
 }  // namespace
 
-MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOptions& options) {
-  check_options(options);
+void visit(MergeModelsOptions& options, FieldVisitor& visitor) {
+  visitor.begin("MergeModelsOptions");
+  visitor.choice({"surface",
+                  "Merged surface: zippered, the measured surfaces joined at seams; averaged, one "
+                  "smooth surface through all of them"},
+                 options.surface, kSurfaces);
+  visitor.real({"fill_holes", "Fill holes of the merged surface up to this diameter", "mm"},
+               options.fill_holes, at_least(0));
+  visitor.real({"max_distance", "Largest distance of a contact from the merged surface", "mm"},
+               options.max_distance, at_least(0));
+  visitor.real({"same_place",
+                "Contacts of two models that are at most this far apart count as one; the one that "
+                "fits better is kept. Without it: a quarter of the median distance between "
+                "neighbouring contacts",
+                "mm"},
+               options.same_place, at_least(0));
+}
+
+MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOptions& given) {
+  const MergeModelsOptions options = in_range(given);
   if (sides.empty()) throw InvalidInput("merge_models(): there is no model");
   std::vector<Eigen::Isometry3d> poses;
   std::vector<MergeCandidate> candidates;

@@ -3,6 +3,9 @@
 #include "palpate/haptics/option_lists.h"
 
 #include "palpate/haptics/build_model.h"
+#include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/identify.h"
+#include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/playback.h"
 
 namespace palpate::haptics {
@@ -10,6 +13,14 @@ namespace palpate::haptics {
 void visit_options(FieldVisitor& visitor) {
   BuildOptions build;
   visit(build, visitor);
+  QueryOptions queries;
+  visit(queries, visitor);
+  LeaveOneOutOptions left_out;
+  visit(left_out, visitor);
+  IdentifyOptions identification;
+  visit(identification, visitor);
+  MergeModelsOptions merging;
+  visit(merging, visitor);
   PlaybackOptions playback;
   visit(playback, visitor);
 }

@@ -22,20 +22,18 @@
 namespace palpate::haptics {
 namespace {
 
-void check(const IdentifyOptions& options) {
-  require("IdentifyOptions::displacement_noise", options.displacement_noise, above(0).finite(),
-          "mm");
-  require("IdentifyOptions::force_noise", options.force_noise, at_least(0).finite(), "N");
-  if (options.displacement_noise.has_value() != options.force_noise.has_value()) {
-    throw InvalidInput(
-        fmt::format("IdentifyOptions: {} is given alone; give both displacement_noise [mm] and "
-                    "force_noise [N], "
-                    "or neither",
-                    options.displacement_noise ? "displacement_noise" : "force_noise"));
-  }
-  require("IdentifyOptions::max_chi2", options.max_chi2, above(1));
-  require("IdentifyOptions::min_explained", options.min_explained, above(0).at_most(1));
-  require("IdentifyOptions::max_iterations", options.max_iterations, at_least(1));
+constexpr const char* kDisplacementNoise = "IdentifyOptions::displacement_noise";
+constexpr const char* kForceNoise = "IdentifyOptions::force_noise";
+
+void check(IdentifyOptions options) {
+  require_in_range(fields_of(options));
+  if (options.displacement_noise.has_value() == options.force_noise.has_value()) return;
+  throw InvalidInput({{options.displacement_noise ? kDisplacementNoise : kForceNoise, true},
+                      {" is given alone; give both "},
+                      {kDisplacementNoise, true},
+                      {" [mm] and "},
+                      {kForceNoise, true},
+                      {" [N], or neither"}});
 }
 
 /// Typical sizes of an acquisition, all > 0.
@@ -244,6 +242,28 @@ Prediction predict_half_space(const HalfSpaceModel& model, const probing::Contac
 }
 
 }  // namespace
+
+void visit(IdentifyOptions& options, FieldVisitor& visitor) {
+  visitor.begin("IdentifyOptions");
+  visitor.real({"displacement_noise",
+                "Standard deviation of each component of a position; needs force_noise. Without "
+                "them, both are estimated from positions that were repeated",
+                "mm"},
+               options.displacement_noise, above(0).finite());
+  visitor.real({"force_noise",
+                "Standard deviation of each component of a force; needs displacement_noise", "N"},
+               options.force_noise, at_least(0).finite());
+  constexpr bool kExpert = true;
+  visitor.real({"max_chi2",
+                "The parametric model describes the object only if chi^2 per degree of freedom is "
+                "at most this",
+                "", kExpert},
+               options.max_chi2, above(1));
+  visitor.real(
+      {"min_explained", "And only if it explains at least this share of the squared displacements",
+       "", kExpert},
+      options.min_explained, above(0).at_most(1));
+}
 
 IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
                                const IdentifyOptions& options) {

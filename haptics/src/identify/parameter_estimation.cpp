@@ -17,6 +17,7 @@ namespace {
 
 /// Huber's loss is linear beyond this many standard deviations, which 3 % of valid pairs exceed
 /// (chi of three numbers).
+constexpr int kMostIterations = 100;  // of a search
 constexpr double kHuberOfPairs = 3;
 /// A pair beyond this many standard deviations is an outlier, as is one valid pair in ten million.
 constexpr double kOutlierDistance = 6;
@@ -182,7 +183,7 @@ std::vector<ParameterEstimate> describe(const ParametricLaw& law, const Eigen::V
 }
 
 /// Finds the best of the starts using some of the pairs.
-Eigen::VectorXd best_start(const Problem& problem, double size, int max_iterations) {
+Eigen::VectorXd best_start(const Problem& problem, double size) {
   Problem part{.law = problem.law, .pairs = {}};
   const std::size_t stride = 1 + problem.pairs.size() / kStartPairs;
   for (std::size_t i = 0; i < problem.pairs.size(); i += stride) {
@@ -191,7 +192,7 @@ Eigen::VectorXd best_start(const Problem& problem, double size, int max_iteratio
   const Weights weights = equal_weights(part.pairs.size(), size);
   SearchResult best{.parameters = problem.law.starts.front(), .predictions = {}};
   for (const Eigen::VectorXd& start : problem.law.starts) {
-    SearchResult found = search(part, weights, start, predict(part, start), max_iterations, kFar);
+    SearchResult found = search(part, weights, start, predict(part, start), kMostIterations, kFar);
     if (found.cost < best.cost) best = std::move(found);
   }
   return best.parameters;
@@ -228,9 +229,9 @@ LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
   size = std::sqrt(size / static_cast<double>(pairs.size()));
   const double least = kLeastPairNoise * size;
 
-  const Eigen::VectorXd start = best_start(plain, size, options.max_iterations);
+  const Eigen::VectorXd start = best_start(plain, size);
   SearchResult found = search(plain, equal_weights(pairs.size(), size), start,
-                              predict(plain, start), options.max_iterations, kFar);
+                              predict(plain, start), kMostIterations, kFar);
   LawEstimate result;
   Identification& report = result.report;
   report.pairs = static_cast<int>(pairs.size());
@@ -254,8 +255,7 @@ LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
             : equal_weights(pairs.size(),
                             std::max(std::sqrt(mean_square(pairs, found.predictions) / 3), least));
     const Eigen::VectorXd before = found.parameters;
-    found = search(robust, weights, before, std::move(found.predictions), options.max_iterations,
-                   kNear);
+    found = search(robust, weights, before, std::move(found.predictions), kMostIterations, kNear);
     report.iterations += found.iterations;
     report.parameters =
         describe(law, found.parameters, normal_equations(robust, weights, found.predictions));

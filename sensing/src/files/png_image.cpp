@@ -138,8 +138,8 @@ class Reader {
       throw InvalidInput(*wrong);
     }
     const int depth = png_get_bit_depth(png_, info_) == 16 ? CV_16U : CV_8U;
-    return {static_cast<int>(height), static_cast<int>(width),
-            CV_MAKETYPE(depth, png_get_channels(png_, info_))};
+    return cv::Mat(static_cast<int>(height), static_cast<int>(width),
+                   CV_MAKETYPE(depth, png_get_channels(png_, info_)));
   }
 
   void read_pixels(cv::Mat& image) {

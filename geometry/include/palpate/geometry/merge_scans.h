@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
@@ -24,18 +25,17 @@ struct Scan {
   std::optional<Eigen::Vector3d> viewpoint = {};
 };
 
+/// `visit` describes the fields.
 struct MergeScansOptions {
-  /// [mm] > 0 and at most the size of the scans; spacing of the grid, and about the edge length of
-  /// the merged mesh. Default: the median edge length of the scans.
   std::optional<double> spacing = {};
-  /// Scans that are within this many spacings of each other are averaged; >= 2 and finite.
   double reach = 3;
-  /// [GB] > 0; memory for the grid. A finer grid is refused before it is computed.
   double max_memory = 4;
   /// Called in the calling thread several times during each scan, and after it, with the number of
   /// scans done and of all. What it throws ends the merging.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(MergeScansOptions& options, FieldVisitor& visitor);
 
 /// Two scans that cannot both be right: one saw through where the other has a surface.
 struct ScanConflict {

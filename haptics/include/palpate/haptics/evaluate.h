@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/haptics/model.h"
 #include "palpate/probing/acquisition.h"
 
@@ -51,9 +52,12 @@ struct QueryErrors {
   std::optional<double> explained_if_scaled = std::nullopt;
 };
 
+/// `visit` describes the fields.
 struct QueryOptions {
-  double max_distance = 2;  ///< [mm] greatest distance of a query's contact from the surface; >= 0
+  double max_distance = 2;
 };
+
+void visit(QueryOptions& options, FieldVisitor& visitor);
 
 /// Compares a model with known forces at places of its surface.
 ///
@@ -98,12 +102,15 @@ struct LeaveOneOut {
   std::vector<SuggestedContact> suggested;
 };
 
+/// `visit` describes the fields.
 struct LeaveOneOutOptions {
-  int suggestions = 5;  ///< greatest number of suggested places; >= 0
+  int suggestions = 5;
   /// Called after each contact with the number of contacts done and in all, from one thread at a
   /// time.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(LeaveOneOutOptions& options, FieldVisitor& visitor);
 
 /// Predicts the samples of each contact from the other contacts (thesis 5.3.3) and compares the
 /// prediction with the measurement. Where the model depends on the rate, its part of the measured

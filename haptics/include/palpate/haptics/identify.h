@@ -6,27 +6,25 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/haptics/half_space_model.h"
 #include "palpate/haptics/strip_model.h"
 #include "palpate/probing/acquisition.h"
 
 namespace palpate::haptics {
 
+/// `visit` describes the fields.
 struct IdentifyOptions {
-  /// [mm] > 0, standard deviation of each component of a position. If neither noise is given, both
-  /// are estimated from the repeated positions `a` of each group.
+  /// If neither noise is given, both are estimated from the repeated positions `a` of each group.
   std::optional<double> displacement_noise = std::nullopt;
-  /// [N] >= 0, standard deviation of each component of a force; give both noises or none.
   std::optional<double> force_noise = std::nullopt;
-  /// The parametric model describes the object iff chi^2 per degree of freedom <= this; > 1. The
-  /// value 2 allows for a noise that is known to 40 %.
-  double max_chi2 = 2;
-  /// And iff it explains at least this share of the squared displacements; in (0, 1]. Where the
-  /// noise is estimated, chi^2 alone says little: groups that mix several normal forces scatter,
-  /// and a model that explains nothing agrees with such a noise.
+  double max_chi2 = 2;  ///< 2 allows for a noise that is known to 40 %
+  /// Where the noise is estimated, chi^2 alone says little: groups that mix several normal forces
+  /// scatter, and a model that explains nothing agrees with such a noise.
   double min_explained = 0.9;
-  int max_iterations = 100;  ///< >= 1, of each Levenberg-Marquardt search
 };
+
+void visit(IdentifyOptions& options, FieldVisitor& visitor);
 
 enum class ParameterStatus {
   determined,   ///< has a value and a standard error

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/haptics/model.h"
 
 namespace palpate::haptics {
@@ -24,19 +25,18 @@ enum class MergedSurface {
   averaged   ///< one smooth surface through all of them: `geometry::merge_scans`
 };
 
+/// `visit` describes the fields.
 struct MergeModelsOptions {
   MergedSurface surface = MergedSurface::zippered;
-  /// [mm] largest width of border loops of the merged surface that are filled, since zippering may
-  /// leave some where seams meet; >= 0, 0 fills none
-  double fill_holes = 0;
-  double max_distance = 2;  ///< [mm] of any contact from the merged surface; >= 0
-  /// [mm] >= 0. Contacts of different sides count as one iff their straight distance on the merged
-  /// surface is at most this and they press into the same half-space. Default: a quarter of the
-  /// median distance between neighbouring contacts. Coinciding contacts always count as one. The
-  /// two sides of a thin wall are safe, since they press against each other; but if layers of a
+  double fill_holes = 0;  ///< zippering may leave holes where seams meet
+  double max_distance = 2;
+  /// Contacts at one place press into the same half-space, and coinciding ones always count as one.
+  /// The two sides of a thin wall are safe, since they press against each other; but if layers of a
   /// fold that face the same way are closer than this, choose a smaller value.
   std::optional<double> same_place = std::nullopt;
 };
+
+void visit(MergeModelsOptions& options, FieldVisitor& visitor);
 
 /// A contact of one of the sides.
 struct SideContact {

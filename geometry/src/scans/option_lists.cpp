@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/option_lists.h"
+
+#include "palpate/geometry/merge_scans.h"
+#include "palpate/geometry/surface_tracker.h"
+
+namespace palpate::geometry {
+
+void visit_options(FieldVisitor& visitor) {
+  TrackingOptions tracking;
+  visit(tracking, visitor);
+  MergeScansOptions merging;
+  visit(merging, visitor);
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "fields.h"
+#include "palpate/geometry/surface_map.h"
+#include "palpate/haptics/merge_models.h"
+#include "palpate/haptics/scale_model.h"
+#include "palpate/haptics/transfer_model.h"
+
+// Models made of other models.
+namespace palpate::python {
+namespace {
+
+using geometry::SurfaceMap;
+using haptics::ForceScaling;
+using haptics::MergedModel;
+using haptics::MergeModelsOptions;
+using haptics::Model;
+
+ForceScaling scaling(const std::string& word) {
+  return choose<ForceScaling>("forces", word,
+                              {{"material", ForceScaling::material},
+                               {"forces", ForceScaling::forces},
+                               {"feel", ForceScaling::feel}});
+}
+
+void add_merging_of_models(py::module_& module) {
+  py::class_<MergedModel>(module, "MergedModel", "The result of merge_models().")
+      .def_property_readonly(
+          "model", [](const MergedModel& merged) { return merged.model; }, "The model (a copy).")
+      .def_property_readonly(
+          "source",
+          [](const MergedModel& merged) {
+            std::vector<std::pair<int, long long>> source;
+            for (const auto& contact : merged.source) source.emplace_back(contact.side, contact.id);
+            return source;
+          },
+          "For each contact the number of its model, and its id there.")
+      .def_readonly("isolated", &MergedModel::isolated,
+                    "Ids of contacts in no triangle of contacts.")
+      .def_readonly("same_place", &MergedModel::same_place, "[mm] the distance that was used.")
+      .def_readonly("components", &MergedModel::components,
+                    "Pieces of the merged surface. More than the object has mean that the models "
+                    "do not overlap.");
+  MergeModelsOptions usual;
+  const std::string doc = described(
+      "merge_models(models: Sequence[Model], *, poses: Sequence[ArrayLike] = ()", "MergedModel",
+      R"(Merges models of several sides of an object into one, as `palpate merge` does.
+
+poses: a (4, 4) matrix for each model, from its frame to that of the object; without them, all
+models are in one frame. Registration.T_target_source is one.
+Raises InvalidInput or SolverError. Ctrl-C is not heard.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "merge_models",
+      [](const std::vector<Model>& models, const std::vector<py::object>& poses,
+         const py::kwargs& keywords) {
+        MergeModelsOptions options;
+        set_fields(fields_of(options), keywords);
+        if (!poses.empty() && poses.size() != models.size()) {
+          throw InvalidInput("poses: there are " + std::to_string(poses.size()) +
+                             "; there must be one for each of the " +
+                             std::to_string(models.size()) + " models");
+        }
+        std::vector<haptics::SideModel> sides;
+        for (std::size_t i = 0; i < models.size(); ++i) {
+          const std::string place = "poses[" + std::to_string(i) + "]";
+          sides.push_back({.model = models[i],
+                           .T_object_model = isometry(
+                               poses.empty() ? py::object(py::none()) : poses[i], place.c_str())});
+        }
+        const Unlocked unlocked;
+        return haptics::merge_models(sides, options);
+      },
+      arg("models"), kw_only(), arg("poses") = py::tuple(), doc.c_str());
+}
+
+void add_scaling(py::module_& module) {
+  module.def(
+      "scale_model",
+      [](const Model& model, double factor, const py::object& axis, const std::string& forces) {
+        haptics::ScaleModelOptions options{.factor = factor, .forces = scaling(forces)};
+        if (!axis.is_none()) options.axis = vector3(axis, "axis");
+        const Unlocked unlocked;
+        haptics::ScaledModel scaled = haptics::scale_model(model, options);
+        return std::pair(std::move(scaled.model), scaled.refit_largest);
+      },
+      arg("model"), arg("factor"), kw_only(), arg("axis") = py::none(), arg("forces") = "material",
+      R"(A model of a larger or smaller object, as `palpate transfer --scale` makes it.
+
+factor: of lengths, about the centre of the surface.
+axis: direction along which alone lengths are scaled; None: all directions.
+forces: 'material', as for the same material; 'forces', the same forces at scaled displacements;
+'feel', the same forces at the same displacements.
+Returns the model, and [N] the largest error of fields that had to be fitted again (along an axis).
+Raises InvalidInput or SolverError.)");
+}
+
+void add_transfer(py::module_& module) {
+  py::class_<SurfaceMap>(module, "SurfaceMap", "The result of map_surface().")
+      .def_property_readonly(
+          "verdict", [](const SurfaceMap& map) { return geometry::to_string(map.verdict); },
+          "'sensible', 'distorted' or 'not_sensible'. Read this first.")
+      .def_readonly("reason", &SurfaceMap::reason, "The verdict in a sentence, with figures.")
+      .def_property_readonly(
+          "positions",
+          [](const py::object& self) {
+            return rows_view(self.cast<SurfaceMap&>().positions, self, View::read_only);
+          },
+          "[mm] (V, 3) images of the source's vertices on the target.")
+      .def_readonly("scale", &SurfaceMap::scale, "Root of the ratio of areas, image over source.")
+      .def_readonly("distorted_share", &SurfaceMap::distorted_share,
+                    "Share of the source's area that is distorted or folded.")
+      .def_readonly("landmark_rms", &SurfaceMap::landmark_rms,
+                    "[mm] between images of landmarks and their targets.");
+  module.def(
+      "map_surface",
+      [](const geometry::TriangleMesh& source, const geometry::TriangleMesh& target,
+         const py::object& source_landmarks, const py::object& target_landmarks,
+         double max_bad_share) {
+        const geometry::Landmarks landmarks{
+            .source = Points(source_landmarks, "source_landmarks").columns(),
+            .target = Points(target_landmarks, "target_landmarks").columns()};
+        const Unlocked unlocked;
+        return geometry::map_surface(source, target, landmarks, {.max_bad_share = max_bad_share});
+      },
+      arg("source"), arg("target"), arg("source_landmarks"), arg("target_landmarks"), kw_only(),
+      arg("max_bad_share") = geometry::SurfaceMapOptions{}.max_bad_share,
+      R"(Maps a surface onto another of the same topology, guided by at least three pairs of points.
+
+source_landmarks, target_landmarks: [mm] (L, 3) corresponding points.
+max_bad_share: a map that distorts or folds more than this share of the area is not sensible.
+Raises InvalidInput or SolverError. Ctrl-C is not heard.)");
+  module.def(
+      "transfer_model",
+      [](const Model& model, const geometry::TriangleMesh& target, const SurfaceMap& map,
+         const std::string& forces) {
+        const ForceScaling chosen = scaling(forces);
+        const Unlocked unlocked;
+        return haptics::transfer_model(model, target, map, {.forces = chosen}).model;
+      },
+      arg("model"), arg("target"), arg("map"), kw_only(), arg("forces") = "feel",
+      R"(Gives the feel of a model to another object, as `palpate transfer --onto` does.
+
+map: of model.surface onto target, by map_surface().
+forces: see scale_model().
+The result is a guess between objects of one kind and similar shape, never a measurement.
+Raises InvalidInput or SolverError.)");
+}
+
+}  // namespace
+
+void add_derived_models(py::module_& module) {
+  add_merging_of_models(module);
+  add_scaling(module);
+  add_transfer(module);
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <string>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "fields.h"
+#include "palpate/geometry/surface_tracker.h"
+
+// A deforming surface in a sequence of range maps.
+namespace palpate::python {
+namespace {
+
+using geometry::SurfaceTracker;
+using geometry::TrackedSurface;
+using geometry::TrackingFigures;
+using geometry::TrackingOptions;
+
+/// A property with one of the figures.
+template <typename Number>
+auto figure(Number TrackingFigures::*member) {
+  return [member](const TrackedSurface& found) { return found.figures.*member; };
+}
+
+void add_tracked_surface(py::module_& module) {
+  py::class_<TrackedSurface>(module, "TrackedSurface", "The result of SurfaceTracker.track().")
+      .def_readonly("lost", &TrackedSurface::lost,
+                    "Why the surface was not found; empty if it was. Read this first.")
+      .def_property_readonly(
+          "vertices",
+          [](const py::object& self) {
+            return rows_view(self.cast<TrackedSurface&>().surface.vertices, self, View::read_only);
+          },
+          "[mm] (V, 3) vertices of the reference at their new places.")
+      .def_property_readonly(
+          "distance",
+          [](const py::object& self) {
+            return vector_view(self.cast<TrackedSurface&>().surface.distance, self);
+          },
+          "[mm] (V,) signed distances from the measured surface, positive on the camera's side; "
+          "NaN where nothing was measured.")
+      .def_property_readonly(
+          "confidence",
+          [](const py::object& self) {
+            return vector_view(self.cast<TrackedSurface&>().confidence, self);
+          },
+          "(V,) in [0, 1]: how far the range map determines where a vertex is, across the surface "
+          "and along it.")
+      .def_property_readonly("rms", figure(&TrackingFigures::rms),
+                             "[mm] root mean square of the distances.")
+      .def_property_readonly("measured", figure(&TrackingFigures::measured),
+                             "Fraction of all vertices that lie on the measured surface.")
+      .def_property_readonly("visible", figure(&TrackingFigures::visible),
+                             "The same of the vertices that face the camera.")
+      .def_property_readonly("stretch", figure(&TrackingFigures::stretch),
+                             "Median relative change in edge length since the last frame.")
+      .def_property_readonly("iterations", figure(&TrackingFigures::iterations),
+                             "Steps of the registration.")
+      .def_property_readonly("settled", figure(&TrackingFigures::settled),
+                             "Whether the surface came to rest before the steps ended.");
+}
+
+}  // namespace
+
+void add_tracking(py::module_& module) {
+  add_tracked_surface(module);
+  TrackingOptions usual;
+  py::class_<SurfaceTracker> tracker(
+      module, "SurfaceTracker",
+      R"(Follows a deforming surface from range map to range map, as `palpate track` does.
+
+All frames get the triangles and the order of vertices of the reference.)");
+  def_described(
+      tracker,
+      described(
+          "SurfaceTracker(reference: TriangleMesh, *", "None",
+          R"(reference: the surface at its pose in the first range map, such as mesh_from(map).
+
+Raises InvalidInput.)",
+          fields_of(usual)),
+      py::init([](const geometry::TriangleMesh& reference, const py::kwargs& keywords) {
+        TrackingOptions options;
+        set_fields(fields_of(options), keywords);
+        const Unlocked unlocked;
+        return std::make_unique<SurfaceTracker>(options, reference);
+      }),
+      arg("reference"));
+  tracker
+      .def(
+          "track",
+          [](SurfaceTracker& self, const geometry::RangeMap& map) {
+            const Unlocked unlocked;
+            return self.track(map);
+          },
+          arg("map"),
+          R"(Finds the surface in the next range map. If it is lost, the next one starts where this one did.
+
+A frame takes about a second; Ctrl-C is heard between frames. Raises InvalidInput or SolverError.)")
+      .def_property_readonly(
+          "triangles",
+          [](const py::object& self) {
+            return rows_view(self.cast<SurfaceTracker&>().graph().mesh().triangles, self,
+                             View::read_only);
+          },
+          "(T, 3) int32 triangles of the reference.");
+}
+
+}  // namespace palpate::python

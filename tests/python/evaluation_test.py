@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Models are compared with known forces, with left-out contacts and with parametric models."""
+import unittest
+
+import numpy as np
+
+import palpate
+from shared import DEMO, sheet_acquisition
+
+
+class Evaluation(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.acquisition = sheet_acquisition()
+        cls.model = palpate.fit(cls.acquisition, palpate.read_mesh(DEMO / "sheet/surface.ply")).model
+        rows = np.loadtxt(DEMO / "sheet/queries.csv", delimiter=",", skiprows=1)
+        cls.contacts, cls.displacements, cls.forces = rows[:, :3], rows[:, 3:6], rows[:, 6:]
+
+    def test_errors_are_those_of_the_field(self):
+        errors = palpate.evaluate(self.model, self.contacts, self.displacements, self.forces)
+        off = palpate.BlendedField(self.model).force(self.contacts, self.displacements) - self.forces
+        lengths = np.linalg.norm(off, axis=1)
+        self.assertEqual(errors.count, len(lengths))
+        self.assertAlmostEqual(errors.rms, np.sqrt((lengths**2).mean()), 12)
+        self.assertAlmostEqual(errors.median, np.median(lengths), 12)
+        self.assertAlmostEqual(errors.explained, 1 - (lengths**2).sum() / (self.forces**2).sum(), 12)
+
+    def test_other_signs_and_units_show_in_the_scale(self):
+        opposite = palpate.evaluate(self.model, self.contacts, self.displacements, -self.forces)
+        self.assertAlmostEqual(opposite.scale, -1, 1)
+        grams = palpate.evaluate(self.model, self.contacts, self.displacements, self.forces / 9.80665e-3)
+        self.assertAlmostEqual(grams.scale, 102, delta=2)
+
+    def test_wrong_queries_are_refused(self):
+        with self.assertRaisesRegex(palpate.InvalidInput, "same number"):
+            palpate.evaluate(self.model, self.contacts, self.displacements[1:], self.forces)
+        with self.assertRaisesRegex(palpate.InvalidInput, "mm from the surface"):
+            palpate.evaluate(self.model, self.contacts + [0, 0, 30], self.displacements, self.forces)
+        with self.assertRaisesRegex(palpate.InvalidInput, "max_distance is -1"):
+            palpate.evaluate(self.model, self.contacts, self.displacements, self.forces, max_distance=-1)
+
+    def test_a_contact_that_is_left_out_is_predicted_worse_than_its_own_fit(self):
+        reported = []
+        errors = palpate.leave_one_out(
+            self.model, self.acquisition, suggestions=2, progress=lambda *counts: reported.append(counts))
+        self.assertEqual(reported[-1], (46, 46))
+        np.testing.assert_array_equal(errors.ids, self.model.ids)
+        self.assertGreater(np.median(errors.contact_rms / self.model.rms), 1)
+        self.assertLess(errors.interior_rms, errors.border_rms)
+        self.assertLessEqual(len(errors.suggested), 2)
+
+    def test_a_sheet_is_identified_with_the_noise_of_its_measurements(self):
+        found = palpate.identify(self.acquisition)
+        self.assertEqual(found.verdict, "describes")
+        self.assertAlmostEqual(found.displacement_noise, 0.02, delta=0.4 * 0.02)  # mm, as demo/README.md says, known to 40 %
+        tension = next(parameter for parameter in found.parameters if parameter.name == "tension")
+        self.assertEqual((tension.status, tension.unit), ("determined", "N"))
+        self.assertGreater(tension.value, 5 * tension.standard_error)
+        known = palpate.identify(self.acquisition, displacement_noise=0.02, force_noise=0.01)
+        again = next(parameter for parameter in known.parameters if parameter.name == "tension")
+        self.assertLess(abs(again.value - tension.value), 3 * tension.standard_error)
+
+    def test_a_sheet_is_no_half_space(self):
+        self.assertEqual(palpate.identify(self.acquisition, "half-space", tool_radius=3).verdict, "does_not_describe")
+        with self.assertRaisesRegex(palpate.InvalidInput, "tool_radius"):
+            palpate.identify(self.acquisition, "half-space")
+        with self.assertRaisesRegex(palpate.InvalidInput, "force_noise is given alone; give both displacement_noise"):
+            palpate.identify(self.acquisition, force_noise=0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()
