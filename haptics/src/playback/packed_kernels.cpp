@@ -10,17 +10,14 @@
 #include <emmintrin.h>
 #endif
 
-// Every function over vectors of 32 bytes is inlined and takes them by reference: how they would be
-// passed or returned depends on the processor that is compiled for.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 #define PALPATE_INLINE __attribute__((always_inline)) inline
 // One version with AVX2 and one without, chosen at run time. They give the same bits: fused
-// multiply-add is off, and sums have the same order.
+// multiply-add is off, and sums have the same order. Before clang 18, other sources do not find the
+// clones.
 #if defined(PALPATE_FOR_EACH_PROCESSOR)
 // Given by a test, which compiles one version.
-#elif defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+#elif defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PALPATE_FOR_EACH_PROCESSOR __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define PALPATE_FOR_EACH_PROCESSOR
@@ -35,34 +32,55 @@ namespace {
 // between them is at least this much above -1. Nearer to half a turn it loses digits.
 constexpr double kLeastCosineAboveMinusOne = 1e-3;
 
-using Vector4 __attribute__((vector_size(32), may_alias)) = double;
+// Four numbers. A struct, since how a bare vector of 32 bytes is passed and returned depends on the
+// processor that is compiled for.
+struct Vector4 {
+  using Lane4 __attribute__((vector_size(32), may_alias)) = double;
+
+  Vector4() = default;
+  PALPATE_INLINE Vector4(const Lane4& lanes) : of{lanes} {}       // NOLINT
+  PALPATE_INLINE Vector4(double all) : of{all, all, all, all} {}  // NOLINT
+  PALPATE_INLINE double operator[](int lane) const { return of[lane]; }
+  PALPATE_INLINE void operator+=(const Vector4& other) { of += other.of; }
+  PALPATE_INLINE void operator-=(const Vector4& other) { of -= other.of; }
+  PALPATE_INLINE void operator*=(const Vector4& other) { of *= other.of; }
+
+  Lane4 of;
+};
+
+PALPATE_INLINE Vector4 operator+(const Vector4& a, const Vector4& b) { return a.of + b.of; }
+PALPATE_INLINE Vector4 operator-(const Vector4& a, const Vector4& b) { return a.of - b.of; }
+PALPATE_INLINE Vector4 operator*(const Vector4& a, const Vector4& b) { return a.of * b.of; }
+PALPATE_INLINE Vector4 operator/(const Vector4& a, const Vector4& b) { return a.of / b.of; }
+PALPATE_INLINE Vector4 smaller(const Vector4& a, const Vector4& b) {
+  return a.of < b.of ? a.of : b.of;
+}
 
 PALPATE_INLINE Vector4 load(const Lanes& lanes) {
-  return *reinterpret_cast<const Vector4*>(lanes.of.data());
+  return *reinterpret_cast<const Vector4::Lane4*>(lanes.of.data());
 }
 PALPATE_INLINE void store(Lanes& lanes, const Vector4& value) {
-  *reinterpret_cast<Vector4*>(lanes.of.data()) = value;
+  *reinterpret_cast<Vector4::Lane4*>(lanes.of.data()) = value.of;
 }
-PALPATE_INLINE Vector4 all(double value) { return Vector4{value, value, value, value}; }
 
 PALPATE_INLINE Vector4 square_root(const Vector4& value) {
 #if defined(__SSE2__)
   const __m128d low = _mm_sqrt_pd(_mm_set_pd(value[1], value[0]));
   const __m128d high = _mm_sqrt_pd(_mm_set_pd(value[3], value[2]));
-  return Vector4{low[0], low[1], high[0], high[1]};
+  return Vector4::Lane4{low[0], low[1], high[0], high[1]};
 #else
-  return Vector4{std::sqrt(value[0]), std::sqrt(value[1]), std::sqrt(value[2]),
-                 std::sqrt(value[3])};
+  return Vector4::Lane4{std::sqrt(value[0]), std::sqrt(value[1]), std::sqrt(value[2]),
+                        std::sqrt(value[3])};
 #endif
 }
 
 // The sums over the lanes of a, b, c and d.
 PALPATE_INLINE Vector4 sums(const Vector4& a, const Vector4& b, const Vector4& c,
                             const Vector4& d) {
-  const Vector4 ab =
-      __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
-  const Vector4 cd =
-      __builtin_shufflevector(c, d, 0, 4, 2, 6) + __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  const Vector4::Lane4 ab = __builtin_shufflevector(a.of, b.of, 0, 4, 2, 6) +
+                            __builtin_shufflevector(a.of, b.of, 1, 5, 3, 7);
+  const Vector4::Lane4 cd = __builtin_shufflevector(c.of, d.of, 0, 4, 2, 6) +
+                            __builtin_shufflevector(c.of, d.of, 1, 5, 3, 7);
   return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
@@ -105,8 +123,8 @@ PALPATE_INLINE void add_bases(const Bases& bases, int contact, const Vector4* x,
 PALPATE_FOR_EACH_PROCESSOR
 void evaluate(const PlaceField& place, const Bases& bases, const double* displacement,
               Lanes& result) noexcept {
-  const Vector4 d0 = all(displacement[0]), d1 = all(displacement[1]), d2 = all(displacement[2]);
-  Vector4 f0 = all(0), f1 = all(0), f2 = all(0), total = all(0);
+  const Vector4 d0(displacement[0]), d1(displacement[1]), d2(displacement[2]);
+  Vector4 f0(0), f1(0), f2(0), total(0);
   const int packs = (place.count + 3) / 4;
   for (int p = 0; p < packs; ++p) {
     const Lanes* const to_local = place.to_local[static_cast<std::size_t>(p)].data();
@@ -118,7 +136,7 @@ void evaluate(const PlaceField& place, const Bases& bases, const double* displac
     }
     const int lanes = std::min(4, place.count - 4 * p);
     for (int k = 0; k < lanes; ++k) {
-      const Vector4 own[3] = {all(x[0][k]), all(x[1][k]), all(x[2][k])};
+      const Vector4 own[3] = {x[0][k], x[1][k], x[2][k]};
       add_bases(bases, place.contacts[static_cast<std::size_t>(4 * p + k)], own, gradient[k],
                 energy[k]);
     }
@@ -141,7 +159,7 @@ void evaluate(const PlaceField& place, const Bases& bases, const double* displac
 
 PALPATE_FOR_EACH_PROCESSOR
 void evaluate_bases(const Bases& bases, int contact, const double* x, Lanes& result) noexcept {
-  const Vector4 own[3] = {all(x[0]), all(x[1]), all(x[2])};
+  const Vector4 own[3] = {x[0], x[1], x[2]};
   Vector4 gradient[3] = {}, energy = {};
   add_bases(bases, contact, own, gradient, energy);
   store(result, sums(gradient[0], gradient[1], gradient[2], energy));
@@ -169,7 +187,7 @@ PALPATE_INLINE void turn_compliance(const Vector4* from, const Vector4& cosine, 
 template <int kCount>
 PALPATE_INLINE bool blend(const double* position, double reach, const Lanes* weights,
                           PlaceField& place) {
-  Vector4 normals = all(0), cones = all(0), places = all(0), axes = all(0);
+  Vector4 normals(0), cones(0), places(0), axes(0);
   for (int p = 0; p < kCount; ++p) {
     const Lanes* const c = place.constants[p].data();
     const Vector4 w = load(weights[p]);
@@ -205,14 +223,14 @@ PALPATE_INLINE bool blend(const double* position, double reach, const Lanes* wei
     for (double& x : beyond) x *= reach / distance;
   }
   Vector4 own[kCount][6], cosines[kCount], sines[kCount];
-  Vector4 first = all(0), second = all(0), third = all(0);
-  Vector4 least_cosine = all(2);
+  Vector4 first(0), second(0), third(0);
+  Vector4 least_cosine(2);
   for (int p = 0; p < kCount; ++p) {
     const Lanes* const c = place.constants[p].data();
     const Vector4 w = load(weights[p]);
     const Vector4 above = 1.0 + (load(c[kPressing + 6]) * bx + load(c[kPressing + 7]) * by +
                                  load(c[kPressing + 8]) * bz);
-    least_cosine = above < least_cosine ? above : least_cosine;
+    least_cosine = smaller(above, least_cosine);
     // The x axis of the pressing frame after the smallest turn of its z axis to b.
     const Vector4 k =
         (load(c[kPressing]) * bx + load(c[kPressing + 1]) * by + load(c[kPressing + 2]) * bz) /
