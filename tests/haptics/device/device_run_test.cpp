@@ -11,6 +11,7 @@
 #include "device/hooked_device.h"
 #include "device/slow_file.h"
 #include "palpate/core/error.h"
+#include "palpate/geometry/median.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/simulated_hand.h"
@@ -113,18 +114,16 @@ TEST(DeviceRun, NeitherAllocatesNorReturnsMemoryInItsLoop) {
   EXPECT_EQ(end - begin, 0);
 }
 
-TEST(DeviceRun, KeepsTheTimeOfTheHost) {
+TEST(DeviceRun, IsNeverFasterThanTheHost) {
   SimulatedHand hand(touches(), {.real_time = true});
+  const auto start = std::chrono::steady_clock::now();
   DeviceRun run(hand, sheet(), {}, {.duration = 0.25});
   const RunReport report = run.finish();
-  // A loaded machine may come late, never early.
-  EXPECT_LE(report.time.rate, 1010);
-  EXPECT_GT(report.time.ticks, 20);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  // A loaded machine may make ticks come late, and fewer of them, but none comes early.
+  EXPECT_GE(taken.count(), 0.25);
   EXPECT_LE(report.time.ticks, 251);
-  EXPECT_LE(report.time.late, report.time.ticks);
-  EXPECT_GT(report.time.p50, 0);
-  EXPECT_LE(report.time.p50, report.time.p999);
-  EXPECT_LE(report.time.p999, report.time.largest);
+  EXPECT_LE(static_cast<double>(report.time.ticks), 1000 * taken.count() + 1);
 }
 
 TEST(DeviceRun, ExchangesTheModelWhileItRuns) {
@@ -143,13 +142,14 @@ TEST(DeviceRun, ExchangesTheModelWhileItRuns) {
   run.stop();
   const RunReport report = run.finish();
   EXPECT_EQ(report.exchanges, 5);
-  // No tick waited for an exchange: it takes a few touches more than any other.
-  std::uint64_t longest = 0;
+  // An exchange fits into a tick of 1 ms. A loaded machine may stop some of them half-way.
+  std::vector<double> times;
   for (const TickRecord& tick : read_loop_record(folder / "run.bin").ticks) {
-    if ((tick.flags & TickRecord::kExchanged) != 0) longest = std::max(longest, tick.nanoseconds);
+    if ((tick.flags & TickRecord::kExchanged) != 0)
+      times.push_back(static_cast<double>(tick.nanoseconds));
   }
-  EXPECT_GT(longest, 0U);
-  EXPECT_LT(longest, 20'000'000U);
+  ASSERT_EQ(times.size(), 5U);
+  EXPECT_LT(geometry::median(times), 1e6);
 }
 
 // 50 ms without a tick: the device drops the force by itself, the loop begins again from zero.

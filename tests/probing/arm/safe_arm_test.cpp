@@ -24,7 +24,7 @@ namespace {
 
 using testing::FaultyArm;
 
-// A hundred seeds are in tests/bench/probing_validation.
+// A hundred seeds are in studies/probing_validation.
 constexpr unsigned kSeeds = 20;
 
 TEST(SafeArm, IsSafeWithinTwoTicksOfAnyFaultNamesItAndResumes) {

@@ -351,7 +351,7 @@ TEST(ContactEquilibrium, FailsByName) {
   EXPECT_THROW((void)solid.touch({0, 0, 16}, kDown), InvalidInput);  // through the object
 }
 
-// Many more in `finite_element_validation` in tests/bench.
+// Many more in `finite_element_validation` in studies.
 TEST(ContactEquilibrium, RandomPathsConvergeOrFailByName) {
   palpate::testing::PathCounts counts;
   unsigned seed = 0;
