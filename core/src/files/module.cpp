@@ -31,9 +31,11 @@ const void* module_symbol(const std::string& name) {
   const void* const symbol =
       loaded == nullptr ? nullptr : dlsym(loaded, ("palpate_" + name).c_str());
   if (symbol == nullptr) {
-    throw Error(file.string() + ": this module of palpate cannot be loaded: " + dlerror() +
-                ". It is installed beside " + library.filename().string() +
-                ", with the same version");
+    throw Unavailable(
+        file.string() + ": this module of palpate cannot be loaded: " + dlerror() +
+        ". It is installed beside " + library.filename().string() +
+        ", with the same version; a build without the package that it needs does not have "
+        "it");
   }
   return symbol;
 }

@@ -13,7 +13,7 @@ namespace {
 TEST(Module, OneThatIsMissingIsNamedWithTheFolderWhereItHasToBe) {
   for (const char* const words : {"/libpalpate_nowhere-", "cannot open shared object file",
                                   "installed beside libpalpate_core.so"}) {
-    EXPECT_THROWS_MESSAGE((void)module_symbol("nowhere"), Error, words);
+    EXPECT_THROWS_MESSAGE((void)module_symbol("nowhere"), Unavailable, words);
   }
 }
 

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+# What is built, by the name of a component: palpate_has_NAME is ON for what PALPATE_COMPONENTS lists, and what that needs.
+set(PALPATE_COMPONENTS "all" CACHE STRING
+    "What to build, with all that it needs: core, geometry, sensing, probing, haptics, c, tools, python, or all")
+
+set(libraries core geometry sensing probing haptics c)
+string(JOIN ", " known ${libraries} tools python)
+set(core_needs "")
+set(geometry_needs core)
+set(sensing_needs geometry core)
+set(probing_needs geometry core)
+set(haptics_needs probing geometry core)
+set(c_needs haptics probing geometry core)
+set(tools_needs sensing haptics probing geometry core)   # the command palpate
+set(python_needs sensing haptics probing geometry core)
+set(all_needs ${libraries} tools python)                 # and windows, examples, studies and tests
+
+foreach(name ${libraries} tools python all)
+  set(palpate_has_${name} OFF)
+endforeach()
+foreach(name IN LISTS PALPATE_COMPONENTS)
+  if(NOT DEFINED ${name}_needs)
+    message(FATAL_ERROR "PALPATE_COMPONENTS: there is no component '${name}'; it must be one or several of ${known}, or all")
+  endif()
+  foreach(needed ${name} ${${name}_needs})
+    set(palpate_has_${needed} ON)
+  endforeach()
+endforeach()
+# The build of another project gets libraries only.
+if(NOT PROJECT_IS_TOP_LEVEL)
+  set(palpate_has_tools OFF)
+  set(palpate_has_python OFF)
+endif()
+set(palpate_libraries "")
+foreach(name IN LISTS libraries)
+  if(palpate_has_${name})
+    list(APPEND palpate_libraries ${name})
+  endif()
+endforeach()
+
+# Packages of modules that are loaded when they are used: only a build of everything must have them. Without one, its functions
+# throw Unavailable.
+set(PALPATE_PACKAGES_OF_MODULES QUIET)
+if(PROJECT_IS_TOP_LEVEL AND palpate_has_all)
+  set(PALPATE_PACKAGES_OF_MODULES REQUIRED)
+endif()
