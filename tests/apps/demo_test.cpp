@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// The demo, and what the README and its picture say about it.
+// The demo, and what docs/results.md and its picture say about it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -62,16 +62,16 @@ TEST_F(Demo, GivesTheFiguresThatCompareGives) {
   }
 }
 
-TEST_F(Demo, GivesTheFiguresOfTheReadme) {
-  const std::string readme = read_text(demo_data().parent_path() / "README.md");
+TEST_F(Demo, GivesTheFiguresOfThePageOfResults) {
+  const std::string page = read_text(demo_data().parent_path() / "docs/results.md");
   for (const nlohmann::json& frame : seeing()) {
     const std::string row = fmt::format(
         "| {:.0f} mm | {:.3f} mm = {:.4f} % | {:.1f} % | {:.2f} % |",
         frame["distance"].get<double>(), frame["median"].get<double>(),
         100 * frame["relative_median"].get<double>(), 100 * frame["coverage"].get<double>(),
         100 * frame["wrong_share"].get<double>());
-    EXPECT_NE(readme.find(row), std::string::npos)
-        << "README.md, table of the frames, " << frame["frame"] << ": " << row;
+    EXPECT_NE(page.find(row), std::string::npos)
+        << "docs/results.md, table of the frames, " << frame["frame"] << ": " << row;
   }
 }
 
@@ -92,7 +92,7 @@ TEST_F(Demo, ProbesWhatACampaignProbesThatIsNotStopped) {
             read_text(folder + "acquisition.db.csv/samples.csv"));
 }
 
-TEST_F(Demo, MakesTheOverviewOfTheReadme) {
+TEST_F(Demo, MakesTheOverviewOfThePageOfResults) {
   ASSERT_EQ(run().result.status, 0) << run().result.err;
   const auto small = [](const fs::path& png) {
     cv::Mat image = sensing::read_frame(png);

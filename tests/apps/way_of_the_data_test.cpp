@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// The whole way through the command, as the README shows it.
+// The whole way through the command, as docs/start.md shows it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -144,8 +144,9 @@ TEST_F(WayOfTheData, MeasurementsSurviveTheStoreUnchanged) {
   EXPECT_EQ(read_text(scratch / "csv/contacts.csv"), read_text(demo_data() / "sheet/contacts.csv"));
 }
 
-// The errors are those of the table in the README, with a margin of 5 % because it rounds them.
-TEST_F(WayOfTheData, MeasurementsBecomeAModelThatIsAsGoodAsTheReadmeSays) {
+// The errors are those of the table in docs/results.md, with a margin of 5 % because it rounds
+// them.
+TEST_F(WayOfTheData, MeasurementsBecomeAModelThatIsAsGoodAsTheResultsSay) {
   constexpr double kMargin = 1.05;
   EXPECT_EQ(sheet().fitted["contacts"], 46);
   EXPECT_LT(sheet().fitted["rms"]["median"], kMargin * 0.045);
