@@ -17,7 +17,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-RUN = ("palpate ", "echo ", "cmp ")
+RUN = ("palpate ", "echo ", "cmp ", "cat > ")
 OTHERS = ("./dev ", 'export PATH="$PWD/build/release/apps/palpate:$PATH"')
 
 
@@ -28,8 +28,8 @@ def blocks_of(text):
 
 
 def commands_of(code):
-    """The commands of a block ```sh that are run, and the lines that must not be there."""
-    lines = [line for line in code.replace("\\\n", " ").split("\n") if line.strip() and not line.startswith("#")]
+    """The commands of a block ```sh that are run, with their here-documents, and the lines that must not be there."""
+    lines = re.findall(r"^(?!#).* << '?EOF'?\n(?:.*\n)*?EOF$|^(?!#).+$", code.replace("\\\n", " "), re.M)
     run = [line for line in lines if line.startswith(RUN)]
     return run, [line for line in lines if not line.startswith(RUN + OTHERS)]
 
@@ -45,7 +45,7 @@ def problems_of(page, palpate):
         def run(words, shown, **options):
             begin = time.monotonic()
             done = subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, **options)
-            print(f"  {time.monotonic() - begin:6.1f} s  {shown}", flush=True)
+            print(f"  {time.monotonic() - begin:6.1f} s  {shown.splitlines()[0]}", flush=True)
             if done.returncode:
                 problems.append(f"{page}: ends with status {done.returncode}: {shown}\n{done.stdout}{done.stderr}")
 

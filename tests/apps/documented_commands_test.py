@@ -17,6 +17,10 @@ class DocumentedCommands(unittest.TestCase):
     def test_runs_whole_commands_and_knows_the_others(self):
         self.assertEqual(commands_of("./dev demo\npalpate a \\\n  b  # c\n# d\n"), (["palpate a    b  # c"], []))
 
+    def test_runs_here_documents_as_one_command(self):
+        code = "cat > a << 'EOF'\n# b\nc: d\nEOF\npalpate a\n"
+        self.assertEqual(commands_of(code), (["cat > a << 'EOF'\n# b\nc: d\nEOF", "palpate a"], []))
+
     def test_refuses_what_it_cannot_run(self):
         self.assertEqual(commands_of("sudo palpate a\n")[1], ["sudo palpate a"])
 
