@@ -33,9 +33,9 @@ def options_of_commands(program):
     commands, waiting = {}, [[]]
     while waiting:
         words = waiting.pop(0)
-        below = re.search(r"^Subcommands:\n((?:  .*\n)+)", help_of(words, "--help"), re.M)
+        below = re.findall(r"^(?=.{30}\S)  ([a-z]+) {2,}\S", help_of(words, "--help"), re.M)
         if below:
-            waiting += [[*words, name] for name in re.findall(r"^  ([a-z]\w*)", below.group(1), re.M)]
+            waiting += [[*words, name] for name in below]
         else:
             commands[" ".join(words)] = set(re.findall(r"--[a-z][a-z0-9-]*", help_of(words, "--help-all")))
     return commands

@@ -16,6 +16,7 @@
 #include "shared/program.h"
 #include "shared/wrong_call.h"
 #include "whole/all_commands.h"
+#include "whole/version.h"
 
 namespace palpate::apps {
 namespace {
@@ -24,7 +25,6 @@ int run(int argc, char** argv) {
   CLI::App app("Palpate turns real deformable objects into models that can be seen and felt.",
                "palpate");
   app.footer("Start with:  palpate demo\nHelp for a command:  palpate COMMAND --help");
-  app.set_version_flag("--version", PALPATE_VERSION);
   app.fallthrough();
 
   Settings settings;
@@ -34,6 +34,10 @@ int run(int argc, char** argv) {
   app.set_help_all_flag("--help-all", "Print this help with the options that few users set");
   app.add_flag("--json", settings.json, "Print the results as one JSON object instead of text")
       ->group(kSharedOptions);
+  // After --json, whose value it reads.
+  app.set_version_flag(
+      "--version", [&settings] { return version_text(settings.json); },
+      "Print version, commit, licence, compiler and libraries");
   app.add_option("--threads", threads, "Number of threads (default: all cores)")
       ->check(within(above(0)))
       ->group(kSharedOptions);

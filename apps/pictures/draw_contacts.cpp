@@ -196,7 +196,7 @@ void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMes
                 triangles == 0
                     ? contacts + "; colours: the contact that is nearest along the surface"
                     : contacts + ", " + std::to_string(triangles) +
-                          " triangles; colours: the contact that counts most there");
+                          " triangles; colours: the contact with the largest weight");
   const geometry::TriangleMesh clean = without_strays(surface);
   const Eigen::Matrix3Xd& seen = clean.vertices;
   Eigen::Matrix3Xd all(3, seen.cols() + contact_mesh.vertices.cols());

@@ -263,7 +263,7 @@ void AcquisitionView::panel_of_contact() {
   if (!chosen_) return;
   const probing::Contact& contact = scene_.acquisition.contacts()[*chosen_];
   heading(fmt::format("Contact {}", contact.id).c_str());
-  figure("place [mm]", fmt::format("{:.1f}, {:.1f}, {:.1f}", contact.position.x(),
+  figure("position [mm]", fmt::format("{:.1f}, {:.1f}, {:.1f}", contact.position.x(),
                                    contact.position.y(), contact.position.z()));
   figure("samples", fmt::format("{}", scene_.acquisition.samples_of(*chosen_).size()));
   std::vector<SampleArrow> own;

@@ -176,7 +176,7 @@ void add_field(py::module_& module) {
           R"([N] (N, 3) force of the tool on the object, where contacts at `places` (N, 3) [mm] are displaced by
 `displacements` (N, 3) [mm], all in the world frame. A user feels the opposite.
 
-Of a place off the surface the nearest one counts; a place that is not finite has no force.
+For a point off the surface, the nearest point on it is used; a point that is not finite has no force.
 Raises InvalidInput. Ctrl-C is not heard.)")
       .def(
           "deviation",

@@ -262,7 +262,7 @@ From 0.02 on the images of the code are not those of the pattern, in its order.)
         return sensing::MultishotDecoder(rig, pattern, {.exposures = exposures}).decode(pixels);
       },
       arg("images"), arg("rig"), arg("pattern"), kw_only(), arg("exposures") = 1,
-      R"(Decodes several images of a scene that holds still into one range map.
+      R"(Decodes several images of a static scene into one range map.
 
 images: in the order of the pattern (`palpate pattern --multishot`): shifted sinusoids, then the
 code, one exposure after the other; uint8 or uint16, linear in the light.

@@ -81,20 +81,6 @@ TEST_F(BadInput, NoCommandOrAnUnknownOneIsAWrongCall) {
   EXPECT_EQ(run_palpate({"--help"}).status, 0);
 }
 
-// The commands that a help text lists: the first word of each line below "Subcommands:".
-std::vector<std::string> commands_in(const std::string& help) {
-  std::istringstream lines(help);
-  std::string line;
-  while (std::getline(lines, line) && line != "Subcommands:") {
-  }
-  std::vector<std::string> commands;
-  while (std::getline(lines, line) && line.starts_with("  ")) {
-    // Descriptions go on in lines that are indented further.
-    if (line[2] != ' ') commands.push_back(line.substr(2, line.find(' ', 2) - 2));
-  }
-  return commands;
-}
-
 struct Help {
   std::vector<std::string> words;  // that call the command
   CommandResult result;
@@ -106,7 +92,7 @@ std::vector<Help> all_commands(const std::vector<std::string>& words = {}) {
   call.emplace_back("--help");
   const CommandResult help = run_palpate(call);
   std::vector<Help> result;
-  for (const std::string& command : commands_in(help.out)) {
+  for (const std::string& command : listed_commands(help.out)) {
     std::vector<std::string> longer = words;
     longer.push_back(command);
     const std::vector<Help> inner = all_commands(longer);

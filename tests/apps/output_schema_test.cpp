@@ -25,25 +25,12 @@ using nlohmann::json;
 
 json schema() { return json::parse(read_text(repository("docs/output.schema.json"))); }
 
-/// The subcommands that a help text lists.
-std::vector<std::string> listed(const std::vector<std::string>& help) {
-  std::istringstream lines(run_palpate(help).out);
-  std::vector<std::string> names;
-  bool is_list = false;
-  for (std::string line; std::getline(lines, line);) {
-    if (is_list && line.empty()) break;
-    if (is_list) names.push_back(line.substr(2, line.find(' ', 2) - 2));
-    is_list = is_list || line == "Subcommands:";
-  }
-  return names;
-}
-
 TEST(OutputSchema, HasEveryCommand) {
   std::set<std::string> commands;
-  for (const std::string& command : listed({"--help"})) {
+  for (const std::string& command : listed_commands(run_palpate({"--help"}).out)) {
     if (command != "calibrate") commands.insert(command);
   }
-  for (const std::string& kind : listed({"calibrate", "--help"}))
+  for (const std::string& kind : listed_commands(run_palpate({"calibrate", "--help"}).out))
     commands.insert("calibrate " + kind);
   std::set<std::string> described;
   const json document = schema();

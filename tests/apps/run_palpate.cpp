@@ -108,6 +108,20 @@ ScratchFolder::ScratchFolder() {
 
 ScratchFolder::~ScratchFolder() { fs::remove_all(path_); }
 
+std::vector<std::string> listed_commands(const std::string& help) {
+  // A name, and its description in the column of all descriptions.
+  constexpr std::size_t kDescriptions = 30;
+  std::istringstream lines(help);
+  std::vector<std::string> commands;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t end = line.find("  ", 2);
+    if (!line.starts_with("  ") || line.find_first_not_of(' ', end) != kDescriptions) continue;
+    if (std::islower(static_cast<unsigned char>(line[2])) != 0)
+      commands.push_back(line.substr(2, end - 2));
+  }
+  return commands;
+}
+
 std::string lines_below(const std::string& csv, std::size_t column, int limit) {
   std::istringstream lines(csv);
   std::string line, result;

@@ -41,6 +41,9 @@ struct CommandOptions {
 CommandResult run_palpate(const std::vector<std::string>& arguments,
                           const CommandOptions& options = {});
 
+/// The subcommands that a help text lists.
+std::vector<std::string> listed_commands(const std::string& help);
+
 /// The bundled data.
 std::filesystem::path demo_data();
 /// The path of a file of it.

@@ -30,7 +30,7 @@ constexpr double kStepOfDiagonal = 1e-5;
 constexpr double kStepOfRange = 1e-4;
 /// More are too many for the graphics of phones and of older computers.
 constexpr Eigen::Index kMostTriangles = 3'000'000;
-/// Drawn otherwise than as numbers of vertices.
+/// Drawn otherwise than as per-vertex values.
 constexpr std::array kNotShown{"nx", "ny", "nz", "red", "green", "blue", "alpha"};
 
 /// A number of each vertex.

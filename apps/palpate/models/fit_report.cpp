@@ -102,8 +102,9 @@ void tell_pressing(const haptics::BuildResult& built) {
   spdlog::info("all contacts were only pressed; the force noise is {:.3g} N ({}).",
                found.force_noise, found.noise_was_estimated ? "estimated" : "as told");
   if (offsets.force_found) {
-    const std::string where = offsets.along_direction ? "along the pressing" : "in the world frame";
-    spdlog::info("the forces have a constant error of ({:.4g}, {:.4g}, {:.4g}) N {}, +- {:.2g} N.",
+    const std::string where =
+        offsets.along_direction ? "along the pressing direction" : "in the world frame";
+    spdlog::info("the force sensor has an offset of ({:.4g}, {:.4g}, {:.4g}) N {}, +- {:.2g} N.",
                  offsets.force.x(), offsets.force.y(), offsets.force.z(), where,
                  offsets.force_error.maxCoeff());
   }

@@ -41,14 +41,14 @@ Json place(const haptics::StripModel& strip) {
 const char* verdict_in_words(haptics::Verdict verdict) {
   switch (verdict) {
     case haptics::Verdict::describes:
-      return "this parametric model describes the object";
+      return "This parametric model describes the object";
     case haptics::Verdict::does_not_describe:
-      return "this parametric model does not describe the object";
+      return "This parametric model does not describe the object";
     case haptics::Verdict::not_testable:
-      return "it is undecided whether this parametric model describes the object: the noise is "
+      return "It is undecided whether this parametric model describes the object: the noise is "
              "unknown or too large, or there are too few samples";
     case haptics::Verdict::not_converged:
-      return "the search did not converge: do not use the parameters";
+      return "The search did not converge: do not use the parameters";
   }
   return "";
 }

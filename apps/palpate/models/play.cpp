@@ -253,9 +253,10 @@ void add_play(CLI::App& app, const Settings& settings) {
       "--trajectory", call->trajectory,
       "Tool positions, one per step: t,x,y,z [s, mm], CSV or binary; with --device, "
       "where a simulated device or its hand goes");
-  command->add_option("--record", call->record,
-                      "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
-                      "a scene, a folder with the traces of its tools and objects");
+  command->add_option(
+      "--record", call->record,
+      "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force that the user feels); of "
+      "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
   add_fields(*command, fields_of(call->device.playback));
   CLI::Option* tool_radius = command

@@ -88,7 +88,7 @@ std::string prose_of(const DeviceCall& call, const haptics::RunReport& report) {
   return fmt::format(
       "{} ticks at {:.0f} Hz: {} free, {} stick, {} slip; largest force {}; {} late\n"
       "A tick takes {:.1f} us (median), {:.1f} us (99.9 %), at most {:.1f} us\n"
-      "{}; the user was given {:.3f} N mm in {} of {} touches\n"
+      "{}; the loop returned {:.3f} N mm to the user in {} of {} touches\n"
       "Safety, in ticks: {}{}{}",
       report.time.ticks, report.time.rate, report.states[0], report.states[1], report.states[2],
       newtons(report.largest_force, 3), report.time.late, report.time.p50, report.time.p999,

@@ -70,7 +70,7 @@ void report_plan(const Settings& settings, const PlanCall& call, const probing::
        {"output", call.output.string()}},
       fmt::format("{} contacts; {}\n{} vertices may be probed; not: {}\nwritten to {}",
                   plan.contacts.size(),
-                  cover ? fmt::format("each eligible place is at most {:.1f} mm from one", *cover)
+                  cover ? fmt::format("each eligible point is at most {:.1f} mm from one", *cover)
                         : std::string("some parts of the surface have none"),
                   plan.excluded.front(), reasons.empty() ? "none" : reasons, call.output.string()));
 }
@@ -112,7 +112,7 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
   CLI::App* command = probe.add_subcommand("plan", "Plan where and how hard to probe a surface");
   command->add_option("SURFACE", call->surface, "Mesh of the undeformed object");
   command->add_option("--specimen", call->specimen,
-                      "In place of SURFACE: a simulated object (JSON; docs/probing.md)");
+                      "Instead of SURFACE: a simulated object (JSON; docs/probing.md)");
   command->add_option("-o,--output", call->output, "Plan to write (plan.json)")->required();
   add_unit_option(*command, call->read);
   add_choice<probing::PlanPattern>(

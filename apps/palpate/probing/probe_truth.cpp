@@ -96,13 +96,13 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--margin", call->options.margin,
-                   "Least distance of their places from the border [mm]")
+                   "Least distance of their points from the border [mm]")
       ->check(within(at_least(0).finite()))
       ->capture_default_str();
   command->add_option("--max-force", call->options.max_force, "Largest of the forces [N]")
       ->check(within(above(0.1).finite()))
       ->capture_default_str();
-  command->add_option("--seed", call->options.seed, "Seed of the random places and forces")
+  command->add_option("--seed", call->options.seed, "Seed of the random points and forces")
       ->capture_default_str();
   command->footer(
       "Example:\n  palpate probe truth sheet.json -o truth/\n"

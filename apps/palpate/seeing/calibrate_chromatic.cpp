@@ -83,7 +83,7 @@ std::string prose_of(const char* name, const sensing::ChannelCalibration& channe
   return fmt::format(
       "{}: alpha {:.6f} +- {:.1e}, beta {:.6f} +- {:.1e}, gamma {:.7f} +- {:.1e}; phase relative "
       "to "
-      "green {:.4f} rad RMS, compensated {:.4f} (from {} places, {} outliers)\n",
+      "green {:.4f} rad RMS, compensated {:.4f} (from {} points, {} outliers)\n",
       name, channel.shift.alpha, channel.deviation.alpha, channel.shift.beta,
       channel.deviation.beta, channel.shift.gamma, channel.deviation.gamma, channel.rms_before,
       channel.rms_after, channel.cells, channel.outliers);
@@ -118,7 +118,7 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
          {"median_depth", *use.median_depth},
          {"period_deviation", use.period_deviation ? nlohmann::ordered_json(*use.period_deviation)
                                                    : nlohmann::ordered_json()}});
-    prose += fmt::format("{}: phases at {} places, median depth {:.1f} mm\n", use.name, use.cells,
+    prose += fmt::format("{}: phases at {} points, median depth {:.1f} mm\n", use.name, use.cells,
                          *use.median_depth);
   }
   const double separation = std::min(found.red.separation, found.blue.separation);

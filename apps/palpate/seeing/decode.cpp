@@ -353,7 +353,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
                         "Accept range maps of frames that do not fit rig, pattern or colours");
   CLI::Option* multishot = command->add_flag(
       "--multishot", call->multishot,
-      "Several images of a scene that holds still give one range map: shifted sinusoids, then a "
+      "Several images of a static scene give one range map: shifted sinusoids, then a "
       "Gray code, as the pattern says (palpate pattern --multishot)");
   for (CLI::Option* other : {colors, bits, resume, force}) multishot->excludes(other);
   command

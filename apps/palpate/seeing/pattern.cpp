@@ -304,7 +304,7 @@ void add_pattern(CLI::App& app, const Settings& settings) {
   add_design_options(*command, *call);
   command
       ->add_option("--multishot", call->multishot,
-                   "Instead of one image, draw several for a scene that holds still: this number "
+                   "Instead of one image, draw several for a static scene: this number "
                    "of shifted sinusoids (3 to 64), then a Gray code: shot_00.png, ... in the "
                    "order in which to project them, for palpate decode --multishot")
       ->check(within(at_least(3).at_most(64)))

@@ -67,7 +67,7 @@ void check_depth_image(const fs::path& path) {
   if (!pixels || sensing::may_be_depths(*pixels)) return;
   throw FileError(path.string() + ": is " + (pixels->channels == 1 ? "a grey" : "a colour") +
                   " image of " + std::to_string(pixels->bits) +
-                  " bit; expected depth images (PNG of 16 bit and one channel) or a folder of "
+                  " bit; expected depth images (16-bit single-channel PNG) or a folder of "
                   "range maps (tiff), as palpate decode writes them.");
 }
 

@@ -68,7 +68,7 @@ std::string describe_option(const CLI::App& command, const std::string& given) {
   for (const CLI::App* app = &command; app != nullptr; app = app->get_parent())
     for (std::string& name : options(*app)) known.push_back(std::move(name));
   const std::optional<std::string> nearest = nearest_word(word, known);
-  return fmt::format("{}: is no option of {}{}", word, whole_name(command),
+  return fmt::format("unknown option '{}' of {}{}", word, whole_name(command),
                      nearest ? "; did you mean " + *nearest + "?" : ".");
 }
 
@@ -77,7 +77,7 @@ std::string describe_command(const CLI::App& command, const std::vector<std::str
   const std::string all = fmt::format("{}", fmt::join(known, ", "));
   if (words.empty()) return whole_name(command) + " needs a command: " + all + ".";
   const std::optional<std::string> nearest = nearest_word(words.front(), known);
-  return fmt::format("{}: is no command of {}; {}", words.front(), whole_name(command),
+  return fmt::format("unknown command '{}' of {}; {}", words.front(), whole_name(command),
                      nearest ? "did you mean " + *nearest + "?" : "the commands are " + all + ".");
 }
 

@@ -154,14 +154,14 @@ Json refuse_conflicts(const FuseCall& call, const geometry::MergedScans& merged,
   if (pairs.empty()) return pairs;
   const geometry::ScanConflict& worst = merged.conflicts.front();
   const std::string found = fmt::format(
-      "{} and {} disagree where they overlap: {:.0f} % of the places that the first saw lie behind "
+      "{} and {} disagree where they overlap: {:.0f} % of the points that the first saw lie behind "
       "the surface of the second, by {:.3g} mm (median){}",
       name(worst.scan), name(worst.other), 100 * worst.share, worst.depth,
       pairs.size() > 1 ? fmt::format("; in all, {} pairs of scans disagree", pairs.size()) : "");
   if (!call.force) {
     throw SolverError(found +
                       ". The object moved, the scans show different scenes, or poses are wrong. "
-                      "Fuse only scans of an object that holds still, pass their poses with --pose "
+                      "Fuse only scans of an object that does not move, pass their poses with --pose "
                       "or find them with --register; --force fuses these nevertheless");
   }
   spdlog::warn("{}.", found);

@@ -249,7 +249,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       ->check(within(at_least(0).at_most(kMostSmoothing)));
   command->add_flag(
       "--remove-intersections", call->steps.remove_intersections,
-      "Mend the places where neighbouring parts of the surface pass through each other, as noise, "
+      "Mend where neighbouring parts of the surface pass through each other, as noise, "
       "spikes and folds leave them; where distant parts do, they stay, and are counted");
   CLI::Option* remesh =
       command

@@ -48,7 +48,7 @@ class Places {
     const geometry::ClosestPoint closest =
         query_.closest_point(Eigen::Vector3d(place[0], place[1], place[2]));
     if (closest.at.triangle < 0)
-      throw InvalidInput(text + ": is too far away to tell its nearest place on the surface.");
+      throw InvalidInput(text + ": is too far away to tell its nearest point on the surface.");
     moved_ = std::max(moved_, closest.distance);
     return closest.at;
   }
@@ -123,7 +123,7 @@ void path(const Settings& settings, const PathCall& call) {
   const auto missing = std::count(paths.begin(), paths.end(), std::nullopt);
   if (missing == static_cast<std::ptrdiff_t>(paths.size())) {
     throw Error(call.surface.string() +
-                ": there is no path; the places are on parts of the surface that are not connected "
+                ": there is no path; the points are on parts of the surface that are not connected "
                 "(palpate info tells how many there are).");
   }
   write_paths(call.output, mesh, paths);
@@ -145,7 +145,7 @@ void path(const Settings& settings, const PathCall& call) {
                             "with the start\n",
                             place);
   }
-  prose += fmt::format("The places given were at most {:.3g} mm from the surface. Written to {}",
+  prose += fmt::format("The points given were at most {:.3g} mm from the surface. Written to {}",
                        places.moved(), call.output.string());
   print(settings, figures, prose);
   if (missing > 0)
@@ -158,9 +158,9 @@ void path(const Settings& settings, const PathCall& call) {
 void add_path(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<PathCall>();
   CLI::App* command =
-      app.add_subcommand("path", "Find the shortest paths along a surface between places");
+      app.add_subcommand("path", "Find the shortest paths along a surface between points");
   const CLI::Validator place = list_of_numbers(
-      [](const std::vector<double>& numbers) { return numbers.size() == 3; }, "a place X,Y,Z [mm]");
+      [](const std::vector<double>& numbers) { return numbers.size() == 3; }, "a point X,Y,Z [mm]");
   command->add_option("SURFACE", call->surface, "Mesh file")->required();
   command->add_option("--from", call->from, "Place X,Y,Z at which the paths begin [mm]")
       ->required()
@@ -174,7 +174,7 @@ void add_path(CLI::App& app, const Settings& settings) {
       ->add_option("--via", call->via,
                    "Place X,Y,Z [mm]: on which side of holes and handles the path goes; may be "
                    "repeated, in order. The path is pulled tight like a string that was laid "
-                   "through these places")
+                   "through these points")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(place);

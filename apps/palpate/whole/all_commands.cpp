@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "whole/all_commands.h"
 
+#include <initializer_list>
+#include <vector>
+
 #include "seeing/capture.h"
 
 namespace palpate::apps {
@@ -18,33 +21,30 @@ void add_calibrate(CLI::App& app, const Settings& settings) {
   add_calibrate_crosstalk(*calibrate, settings);
 }
 
+using AddCommand = void (*)(CLI::App& app, const Settings& settings);
+
+/// Adds commands that the help lists under one heading.
+void add_group(CLI::App& app, const Settings& settings, const char* heading,
+               std::initializer_list<AddCommand> commands) {
+  const auto all = [&app] { return app.get_subcommands([](CLI::App*) { return true; }); };
+  const std::size_t before = all().size();
+  for (const AddCommand add : commands) add(app, settings);
+  const std::vector<CLI::App*> now = all();
+  for (std::size_t i = before; i < now.size(); ++i) now[i]->group(heading);
+}
+
 }  // namespace
 
 void add_commands(CLI::App& app, const Settings& settings) {
   app.require_subcommand(1);
-  add_demo(app, settings);
-  add_pattern(app, settings);
-  add_calibrate(app, settings);
-  add_capture(app, settings);
-  add_simulate(app, settings);
-  add_decode(app, settings);
-  add_mesh(app, settings);
-  add_cloud(app, settings);
-  add_path(app, settings);
-  add_fuse(app, settings);
-  add_track(app, settings);
-  add_compare(app, settings);
-  add_probe(app, settings);
-  add_bake(app, settings);
-  add_fit(app, settings);
-  add_merge(app, settings);
-  add_transfer(app, settings);
-  add_identify(app, settings);
-  add_evaluate(app, settings);
-  add_play(app, settings);
-  add_export(app, settings);
-  add_run(app, settings);
-  add_info(app, settings);
+  add_group(app, settings, "Everything at once", {add_demo, add_run, add_info});
+  add_group(app, settings, "From camera frames to range maps",
+            {add_pattern, add_calibrate, add_capture, add_simulate, add_decode});
+  add_group(app, settings, "Meshes, point clouds and sequences",
+            {add_mesh, add_cloud, add_path, add_fuse, add_track, add_compare});
+  add_group(app, settings, "From measurements to models",
+            {add_probe, add_bake, add_fit, add_merge, add_transfer, add_identify, add_evaluate});
+  add_group(app, settings, "Feeling and showing models", {add_play, add_export});
   refuse_empty_values(app);
 }
 

@@ -60,7 +60,7 @@ Description describe_pattern(const fs::path& path) {
          {"shifts", shifts},
          {"code_bits", bits},
          {"period_px", pattern.period}},
-        fmt::format("pattern for a scene that holds still, {} images: {} shifted sinusoids of "
+        fmt::format("pattern for a static scene, {} images: {} shifted sinusoids of "
                     "{} px along {}, then {} of a Gray code",
                     shifts + static_cast<std::size_t>(bits), shifts, pattern.period, axis, bits)};
   }

@@ -112,7 +112,7 @@ Description describe_depth_image(const cv::Mat_<std::uint16_t>& image) {
            {"pixels", known.count},
            {"median_units", known.median},
            {"max_units", known.max}},
-          fmt::format("image, {} x {} px, 1 channel of 16 bit; as a depth image: depth known at {} "
+          fmt::format("image, {} x {} px, 16-bit single-channel; as a depth image: depth known at {} "
                       "({:.1f} %), median {:.0f} units, farthest {:.0f} units",
                       image.cols, image.rows, known.count,
                       100.0 * static_cast<double>(known.count) / static_cast<double>(image.total()),

@@ -38,9 +38,9 @@ void visit(BuildOptions& options, FieldVisitor& visitor) {
                   "proven within the reach of the measurements; local, only near zero"},
                  options.fit.mode, kModes);
   visitor.choice({"blend",
-                  "What contacts give to places between them: forces, at the same displacement "
+                  "How forces between contacts are found: forces, at the same displacement "
                   "(thesis 5.3.2); compliances, forces at displacements that match the compliance "
-                  "of the place; auto, what predicts contacts better from those around them"},
+                  "of the point; auto, what predicts contacts better from those around them"},
                  options.blend_rule, kRules);
   visitor.real({"force_noise",
                 "Standard deviation of each component of the measured forces, for fields and "
@@ -65,7 +65,7 @@ void visit(BuildOptions& options, FieldVisitor& visitor) {
       options.rate);
   visitor.flag(
       {"estimate_offsets",
-       "Estimate a constant error of the forces and how deep below the surface the touches were "
+       "Estimate the offset of the force sensor and how deep below the surface the touches were "
        "found, if all contacts were only pressed, and use them if the measurements support them"},
       options.estimate_offsets);
   visitor.whole({"dense_samples",

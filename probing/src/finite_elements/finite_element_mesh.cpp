@@ -208,7 +208,7 @@ void check_finite_element_mesh(const FiniteElementMesh& mesh) {
     const double quality = shape_quality(element_nodes(mesh, mesh.nodes, e));
     if (!(quality >= kLeastQuality)) {
       throw InvalidInput(element_name(e) + " is inverted or flat (its least Jacobian is " +
-                         std::to_string(quality) + " of the mean); mesh the object anew");
+                         std::to_string(quality) + " of the mean); mesh the object again");
     }
   }
   const auto lost = std::find(used.begin(), used.end(), false);

@@ -75,7 +75,7 @@ void check_size(const TriangleMesh& mesh, const PlanOptions& options) {
   const double area = is_grid ? std::max(sides.x() * sides.y(), longest * longest / kMostPlaces)
                               : geometry::surface_area(mesh);
   if (area == 0) return;
-  require("PlanOptions::spacing, on this surface with at most 100000 places,", options.spacing,
+  require("PlanOptions::spacing, on this surface with at most 100000 points,", options.spacing,
           at_least(in_three_digits(std::sqrt(area / (kMostPlaces * line_distance(1))))).finite(),
           "mm");
 }
@@ -294,7 +294,7 @@ ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& options) 
   if (chosen.empty()) {
     const bool turned =
         plan.excluded[static_cast<std::size_t>(Eligibility::oblique)] > mesh.vertices.cols() / 2;
-    throw InvalidInput("plan_contacts: no place of the surface may be probed: of " +
+    throw InvalidInput("plan_contacts: no point of the surface may be probed: of " +
                        std::to_string(mesh.vertices.cols()) + " vertices " + counts(plan.excluded) +
                        (turned ? ". Are the triangles turned inwards, or the sensor elsewhere?"
                                : ". A smaller tip or spacing would leave more"));

@@ -39,11 +39,11 @@ TEST(NearestWord, DiffersByOneTypingErrorInThreeLetters) {
 }
 
 TEST(WrongCall, NamesTheNearestCommand) {
-  expect_words({"decod", "x"}, "decod: is no command of palpate; did you mean decode?");
+  expect_words({"decod", "x"}, "unknown command 'decod' of palpate; did you mean decode?");
   expect_words({"--threads", "2", "mehs", "a.ply"}, "did you mean mesh?");
   expect_words({"calibrate", "colrs", "x"},
-               "colrs: is no command of palpate calibrate; did you mean colors?");
-  expect_words({"reconstruct"}, "the commands are demo, pattern, calibrate, ");
+               "unknown command 'colrs' of palpate calibrate; did you mean colors?");
+  expect_words({"reconstruct"}, "the commands are demo, run, info, ");
   expect_words({}, "palpate needs a command: demo, ");
 }
 
@@ -54,10 +54,10 @@ TEST(WrongCall, NamesTheValuesThatAnOptionNeeds) {
 
 TEST(WrongCall, NamesTheNearestOption) {
   expect_words({"mesh", "a.ply", "-o", "b.ply", "--tolerence", "3"},
-               "--tolerence: is no option of palpate mesh; did you mean --tolerance?");
+               "unknown option '--tolerence' of palpate mesh; did you mean --tolerance?");
   expect_words({"mesh", "a.ply", "-o", "b.ply", "--tread=3"}, "did you mean --threads?");
   expect_words({"export", "m", "--obk"},
-               "--obk: is no option of palpate export; did you mean --obj?");
+               "unknown option '--obk' of palpate export; did you mean --obj?");
   expect_words({"mesh", "a.ply", "b.ply"}, "");
 }
 
