@@ -4,9 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <string>
 
@@ -53,6 +56,32 @@ TEST_F(Info, TellsTheSizeOfSmallSurfacesToo) {
 TEST_F(Info, TellsThatASolidIsInsideOut) {
   EXPECT_THAT(described(6), AllOf(HasSubstr("volume 36 mm^3"), Not(HasSubstr("inwards"))));
   EXPECT_THAT(described(6, false), HasSubstr("volume -36 mm^3, as the triangles face inwards"));
+}
+
+TEST_F(Info, TellsTheCurvatureOfATube) {
+  // Radius 10 mm, 48 triangles around: the larger principal curvature is 1 / 10 mm.
+  constexpr int kAround = 48, kRings = 12;
+  std::string text;
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int i = 0; i < kAround; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kAround;
+      text += "v " + std::to_string(10 * std::cos(angle)) + " " +
+              std::to_string(10 * std::sin(angle)) + " " + std::to_string(1.3 * ring) + "\n";
+    }
+  }
+  for (int ring = 0; ring + 1 < kRings; ++ring) {
+    for (int i = 0; i < kAround; ++i) {
+      const int a = ring * kAround + i + 1, b = ring * kAround + (i + 1) % kAround + 1;
+      text += "f " + std::to_string(a) + " " + std::to_string(b) + " " +
+              std::to_string(b + kAround) + " " + std::to_string(a + kAround) + "\n";
+    }
+  }
+  write_text(scratch / "tube.obj", text);
+  const CommandResult result = run_palpate({"info", scratch / "tube.obj", "--json"});
+  ASSERT_EQ(result.status, kDone) << result.err;
+  const nlohmann::json curvature = nlohmann::json::parse(result.out).at("curvature");
+  EXPECT_NEAR(curvature.at("median").get<double>(), 0.1, 0.002);
+  EXPECT_NEAR(curvature.at("p95").get<double>(), 0.1, 0.005);
 }
 
 TEST_F(Info, TellsThatTrianglesAreNotJoined) {

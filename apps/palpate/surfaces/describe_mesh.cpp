@@ -13,6 +13,8 @@
 
 #include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
+#include "palpate/geometry/curvature.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/point_file.h"
@@ -65,7 +67,22 @@ std::string quantity(double value) {
   return usual ? fmt::format("{:.1f}", value) : fmt::format("{:.4g}", value);
 }
 
-/// Area, volume and topology of a mesh, or why they are undefined.
+/// How much the surface bends, where that is known: the larger principal curvature of its vertices.
+Description describe_curvature(const geometry::TriangleMesh& mesh) {
+  const geometry::VertexCurvature curvature = geometry::vertex_curvature(mesh);
+  const Eigen::ArrayXd mean = curvature.mean.array().abs();
+  const Eigen::ArrayXd largest =
+      mean + (mean.square() - curvature.gaussian.array()).max(0).sqrt();  // [1/mm]
+  const geometry::ErrorStatistics bend =
+      geometry::error_statistics({largest.begin(), largest.end()});
+  if (bend.count == 0) return {{{"curvature", nullptr}}, ""};
+  return {{{"curvature", {{"median", bend.median}, {"p95", bend.p95}}}},
+          fmt::format("; curvature {:.3g} /mm in the median, at most {:.3g} /mm at 95 % of the "
+                      "vertices",
+                      bend.median, bend.p95)};
+}
+
+/// Area, volume, curvature and topology of a mesh, or why they are undefined.
 Description describe_surface(const geometry::TriangleMesh& mesh) {
   try {
     const double area = geometry::surface_area(mesh);
@@ -94,6 +111,9 @@ Description describe_surface(const geometry::TriangleMesh& mesh) {
       surface.prose += fmt::format(", volume {} mm^3", quantity(volume));
       if (volume < 0) surface.prose += ", as the triangles face inwards";
     }
+    const Description curvature = describe_curvature(mesh);
+    surface.figures.update(curvature.figures);
+    surface.prose += curvature.prose;
     return surface;
   } catch (const InvalidInput& refused) {
     return {
