@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+# Configures single components where packages of others cannot be found, alone and as a part of another project.
+function(configure folder)
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -G Ninja -S ${folder} -B ${SCRATCH_DIR}/build -DCMAKE_CXX_COMPILER=${CXX} ${ARGN}
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  set(status ${status} PARENT_SCOPE)
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+# What only programs and tests use, and what the components above geometry use.
+set(above)
+foreach(package IN ITEMS CLI11 GTest Python3 VTK X11 benchmark glfw3 pybind11 spdlog assimp OpenCV PNG SQLite3 ZLIB nlohmann_json)
+  list(APPEND above -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+
+file(REMOVE_RECURSE ${SCRATCH_DIR})
+file(MAKE_DIRECTORY ${SCRATCH_DIR}/project)
+configure(${SOURCE_DIR} -DPALPATE_COMPONENTS=geometry ${above})
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "geometry alone does not configure:\n${output}")
+endif()
+file(GLOB parts RELATIVE ${SCRATCH_DIR}/build ${SCRATCH_DIR}/build/*/cmake_install.cmake)
+if(NOT "${parts}" STREQUAL "core/cmake_install.cmake;geometry/cmake_install.cmake")
+  message(FATAL_ERROR "geometry alone builds more than itself and core: ${parts}")
+endif()
+
+configure(${SOURCE_DIR} -DPALPATE_COMPONENTS=haptics ${above})
+if(status EQUAL 0)
+  message(FATAL_ERROR "haptics configures without its packages: nothing is tested here")
+endif()
+
+configure(${SOURCE_DIR} -DPALPATE_COMPONENTS=geometri)
+if(status EQUAL 0 OR NOT output MATCHES "no component 'geometri'")
+  message(FATAL_ERROR "an unknown component is not refused:\n${output}")
+endif()
+
+file(WRITE ${SCRATCH_DIR}/project/CMakeLists.txt
+"cmake_minimum_required(VERSION 3.25)
+project(consumer LANGUAGES CXX)
+set(PALPATE_COMPONENTS geometry)
+add_subdirectory(${SOURCE_DIR} palpate)
+file(WRITE \${CMAKE_BINARY_DIR}/main.cpp \"int main() {}\")
+add_executable(consumer \${CMAKE_BINARY_DIR}/main.cpp)
+target_link_libraries(consumer PRIVATE palpate::geometry)
+")
+file(REMOVE_RECURSE ${SCRATCH_DIR}/build)
+configure(${SCRATCH_DIR}/project ${above})
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "geometry does not configure as a part of another project:\n${output}")
+endif()
+file(REMOVE_RECURSE ${SCRATCH_DIR})
