@@ -85,14 +85,17 @@ std::string to_prose(const haptics::LeaveOneOut& errors) {
   const auto if_known = [](std::optional<double> force) {
     return force ? newtons(*force) : std::string("unknown");
   };
-  std::string prose;
+  std::vector<std::string> lines;
+  std::vector<double> sizes;
   for (const haptics::ContactError& e : errors.per_contact) {
-    prose += fmt::format(
+    lines.push_back(fmt::format(
         "  contact {} ({}) predicted from its neighbours: RMS {}, expected {}; the neighbours "
         "disagree by {}\n",
         e.contact, e.at_border ? "border" : "inside", newtons(e.rms), if_known(e.expected),
-        newtons(e.spread));
+        newtons(e.spread)));
+    sizes.push_back(e.rms);
   }
+  std::string prose = worst_lines(lines, sizes);
   prose += fmt::format(
       "Each contact predicted without itself: RMS {} over {} contacts; inside {}, at the border "
       "{}\n",

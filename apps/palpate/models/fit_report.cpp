@@ -293,17 +293,19 @@ void tell_build(const haptics::BuildResult& built) {
 }
 
 std::string per_contact_in_words(const haptics::BuildResult& built) {
-  std::string prose;
+  std::vector<std::string> lines;
+  std::vector<double> errors;
   for (std::size_t i = 0; i < built.contacts.size(); ++i) {
     const haptics::ContactModel& contact = built.model.contacts[i];
     const haptics::FitResult& found = built.contacts[i].fit;
-    prose += fmt::format(
+    lines.push_back(fmt::format(
         "  contact {}: RMS {} with {} bases from {} pairs, friction {}; {}; {}{}\n", contact.id,
         newtons(contact.rms), contact.field.bases.size(), contact.samples, friction_of(contact),
         in_words(found.stop), in_words(found.certificate.passivity),
-        contact.shared_local ? ", shares the local part" : "");
+        contact.shared_local ? ", shares the local part" : ""));
+    errors.push_back(contact.rms);
   }
-  return prose;
+  return worst_lines(lines, errors);
 }
 
 std::string fit_in_words(const haptics::BuildResult& built) {

@@ -3,8 +3,14 @@
 #include "shared/words.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <functional>
+#include <numeric>
 
 namespace palpate::apps {
 
@@ -82,6 +88,18 @@ std::string newtons(double force, int decimals) {
   const double least = std::pow(10.0, kDigits - 1 - decimals);
   return std::abs(force) >= least ? fmt::format("{:.{}f} N", force, decimals)
                                   : fmt::format("{:.{}g} N", force, kDigits);
+}
+
+std::string worst_lines(const std::vector<std::string>& lines, const std::vector<double>& errors) {
+  constexpr std::size_t kPrinted = 3;
+  if (lines.size() <= kPrinted || spdlog::should_log(spdlog::level::info))
+    return fmt::format("{}", fmt::join(lines, ""));
+  std::vector<std::size_t> order(lines.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return errors[i]; });
+  std::string worst = fmt::format("The {} worst of {} (-v prints all):\n", kPrinted, lines.size());
+  for (std::size_t i = 0; i < kPrinted; ++i) worst += lines[order[i]];
+  return worst;
 }
 
 std::string with_option_names(std::string message,

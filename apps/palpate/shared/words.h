@@ -33,6 +33,11 @@ template <std::integral Count>
 /// places, three digits as well below what these show.
 [[nodiscard]] std::string newtons(double force, int decimals = 4);
 
+/// The lines of a list that are printed: those with the largest errors, the largest first, and how
+/// many they are of all; with -v, all in their order.
+[[nodiscard]] std::string worst_lines(const std::vector<std::string>& lines,
+                                      const std::vector<double>& errors);
+
 /// Replaces the library's names of options in a message ("BuildOptions::max_distance") by those of
 /// the command ("--max-distance"), as given by `names`.
 [[nodiscard]] std::string with_option_names(

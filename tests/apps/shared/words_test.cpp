@@ -3,8 +3,11 @@
 #include "shared/words.h"
 
 #include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
 
 #include <cstddef>
+#include <string>
+#include <vector>
 
 namespace palpate::apps {
 namespace {
@@ -24,6 +27,18 @@ TEST(Words, ShowThreeDigitsOfAForceAtLeast) {
   EXPECT_EQ(newtons(0), "0 N");
   EXPECT_EQ(newtons(1.51249, 3), "1.512 N");
   EXPECT_EQ(newtons(0.0592, 3), "0.0592 N");
+}
+
+TEST(Words, PrintTheWorstLinesUnlessAllAreAskedFor) {
+  const std::vector<std::string> lines = {"a\n", "b\n", "c\n", "d\n", "e\n"};
+  const std::vector<double> errors = {2, 5, 1, 5, 3};
+  const auto before = spdlog::get_level();
+  spdlog::set_level(spdlog::level::warn);
+  EXPECT_EQ(worst_lines(lines, errors), "The 3 worst of 5 (-v prints all):\nb\nd\ne\n");
+  EXPECT_EQ(worst_lines({"a\n", "b\n"}, {1, 2}), "a\nb\n");
+  spdlog::set_level(spdlog::level::info);
+  EXPECT_EQ(worst_lines(lines, errors), "a\nb\nc\nd\ne\n");
+  spdlog::set_level(before);
 }
 
 }  // namespace
