@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -13,17 +14,17 @@
 #include "image/hue.h"
 #include "image/image_plane.h"
 #include "palpate/core/error.h"
+#include "phase/surface_doubt.h"
+#include "phase/unmixing.h"
 #include "regions/phase_offset.h"
-#include "regions/unwrapping.h"
+#include "regions/surface_pieces.h"
 
 namespace palpate::sensing {
 namespace {
 
-/// Smallest part of a region that must hold an anchor of its own [px].
-constexpr int kLeastAnchoredCore = 50;
-/// Standard deviation of the phase [rad] beyond which an anchored region ends. Steps of depth have
-/// more; relief under a coarse sinusoid, whose shading does not fit it, has up to about 0.1.
-constexpr double kAnchoredSigma = 0.15;
+/// Side of the tiles that surfaces are divided into: part of a period, but at least so many pixels.
+constexpr double kTilePart = 1.0 / 8;
+constexpr long kLeastTile = 4;
 
 /// The phases at the anchors, at the nearest pixels of regions; `edge` is the number of the anchor.
 void find_anchors(const DecoderGeometry& model, const DemodulationFilter& filter,
@@ -69,10 +70,9 @@ double depth_by(const DecoderGeometry& model, const PhaseGuess& anchor, const Ph
   return static_cast<double>(surfaces.z(anchor.row, anchor.column));
 }
 
-/// \param connected numbers the surfaces that are smooth all over.
-void refuse_contradiction(const DecoderGeometry& model, const Labels& connected,
-                          const DecodeOptions& options, const Workspace& work) {
-  const auto pair = contradicting_anchors(work.regions, connected, work.guesses);
+void refuse_contradiction(const DecoderGeometry& model, const DecodeOptions& options,
+                          const Workspace& work) {
+  const auto pair = contradicting_anchors(work.regions, work.guesses);
   if (!pair) return;
   const auto anchor = [&](const PhaseGuess& guess) -> const Anchor& {
     return options.anchors[static_cast<std::size_t>(guess.edge)];
@@ -97,22 +97,33 @@ void refuse_contradiction(const DecoderGeometry& model, const Labels& connected,
 
 }  // namespace
 
+void cut_at_steps(const DecoderGeometry& whole, const DemodulationFilter& filter,
+                  const DecodeOptions& options, Workspace& work) {
+  DemodulationFilter narrow = filter;
+  narrow.averages = 1;
+  Demodulation demodulated;
+  Combined sharp;
+  demodulate(work.channels, work.lit, narrow, demodulated);
+  unmix(whole.rig().color_mixing, demodulated.channels);
+  combine_channels(demodulated.channels, work.model(whole).chromatic(), sharp);
+  SurfaceDoubt doubt;
+  find_surface_doubt({.channels = work.demodulated.channels,
+                      .combined = work.combined,
+                      .sharp = sharp,
+                      .wrapped = work.wrapped,
+                      .variance = work.variance},
+                     filter, options.max_phase_variance, doubt);
+  // A piece below the square of a period is smaller than the window that its phase comes from.
+  const double period = filter.period();
+  cut_into_pieces(doubt, std::max(kLeastTile, std::lround(period * kTilePart)),
+                  std::lround(period * period), work.variance);
+}
+
 void anchor_regions(const DecoderGeometry& whole, const DemodulationFilter& filter,
                     const DecodeOptions& options, Workspace& work) {
   const DecoderGeometry& model = work.model(whole);
   find_anchors(model, filter, options, work);
-  if (options.segmentation == Segmentation::flood) {
-    anchor_markers(work.regions, work.guesses, work.markers);
-    work.doubt = work.variance + work.sigma.square();
-    split_regions(work.wrapped, work.doubt,
-                  {.max_variance = options.max_phase_variance + kAnchoredSigma * kAnchoredSigma,
-                   .max_step = options.max_phase_step,
-                   .least_core = kLeastAnchoredCore},
-                  work.markers, work.unwrapping, work.regions);
-    refuse_contradiction(model, work.unwrapping.cores, options, work);
-  } else {
-    refuse_contradiction(model, work.regions.label, options, work);
-  }
+  refuse_contradiction(model, options, work);
   anchored_offsets(work.regions, work.guesses, work.offsets);
 }
 

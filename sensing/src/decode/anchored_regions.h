@@ -9,10 +9,15 @@
 
 namespace palpate::sensing {
 
-/// Gives the regions around the anchors their offsets. Nothing else tells that two surfaces meet
-/// where their phases agree, so regions end where the sinusoid fits badly.
+/// Cuts the image where, without stripes, nothing but the doubt about the phase tells that two
+/// surfaces meet, so that regions end there.
+/// \param work of a frame whose regions have not been grown yet.
+void cut_at_steps(const DecoderGeometry& whole, const DemodulationFilter& filter,
+                  const DecodeOptions& options, Workspace& work);
+
+/// Gives the regions around the anchors their offsets.
 /// \param work of a frame whose regions have been grown.
-/// \throws InvalidInput if two anchors on one smooth surface imply different periods.
+/// \throws InvalidInput if two anchors in one region imply different periods.
 void anchor_regions(const DecoderGeometry& whole, const DemodulationFilter& filter,
                     const DecodeOptions& options, Workspace& work);
 

@@ -234,6 +234,7 @@ void Decoder::Impl::find_regions(Workspace& work) const {
   const FloodLimits limits{.max_variance = options.max_phase_variance,
                            .max_step = options.max_phase_step};
   phase_variance(work.wrapped, work.modulated, work.variance);
+  if (!stripes) cut_at_steps(model, filter, options, work);
   const bool snakes = options.segmentation == Segmentation::snakes;
   if (snakes) {
     grow_snakes(work.wrapped, work.variance, limits, work.regions);

@@ -40,7 +40,6 @@ struct Workspace {
   ReasonImage reasons_around;  ///< of the working image, if the part is not all of it
   Plane wrapped;
   Plane variance;
-  Plane doubt;  ///< [rad^2] variance plus sigma^2, for a pattern without stripes
   UnwrappingBuffers unwrapping;
   Regions regions;
   Plane hue;

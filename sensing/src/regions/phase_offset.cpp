@@ -180,25 +180,16 @@ std::optional<PhaseGuess> nearest_in_region(const Regions& regions, PhaseGuess g
   return nearest;
 }
 
-void anchor_markers(const Regions& regions, const std::vector<PhaseGuess>& anchors,
-                    std::vector<Marker>& markers) {
-  markers.clear();
-  for (const PhaseGuess& anchor : anchors) {
-    markers.push_back({anchor.row * static_cast<int>(regions.label.cols()) + anchor.column,
-                       static_cast<int>(std::lround(turns_of(regions, anchor)))});
-  }
-}
-
-std::optional<Contradiction> contradicting_anchors(const Regions& regions, const Labels& connected,
+std::optional<Contradiction> contradicting_anchors(const Regions& regions,
                                                    const std::vector<PhaseGuess>& anchors) {
   const auto turns = [&](const PhaseGuess& anchor) {
     return std::lround(turns_of(regions, anchor));
   };
   for (std::size_t i = 0; i < anchors.size(); ++i) {
-    const int surface = connected(anchors[i].row, anchors[i].column);
-    if (surface < 0) continue;
+    const int region = regions.label(anchors[i].row, anchors[i].column);
+    if (region < 0) continue;
     for (std::size_t k = 0; k < i; ++k) {
-      if (connected(anchors[k].row, anchors[k].column) != surface) continue;
+      if (regions.label(anchors[k].row, anchors[k].column) != region) continue;
       const long periods = std::abs(turns(anchors[i]) - turns(anchors[k]));
       if (periods != 0) return Contradiction{anchors[k], anchors[i], periods};
     }

@@ -79,11 +79,6 @@ void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guess
 [[nodiscard]] std::optional<PhaseGuess> nearest_in_region(const Regions& regions, PhaseGuess guess,
                                                           long reach);
 
-/// Markers of guesses that are known to be right.
-/// \param anchors in regions.
-void anchor_markers(const Regions& regions, const std::vector<PhaseGuess>& anchors,
-                    std::vector<Marker>& markers);
-
 /// Two anchors on one surface that are whole periods of the sinusoid apart.
 struct Contradiction {
   PhaseGuess first;
@@ -92,10 +87,8 @@ struct Contradiction {
 };
 
 /// The first two anchors that contradict each other; none if all agree.
-/// \param connected numbers the pixels that are sure to belong together, each number within one of
-/// the regions as they were unwrapped; -1 elsewhere, where anchors contradict none.
 [[nodiscard]] std::optional<Contradiction> contradicting_anchors(
-    const Regions& regions, const Labels& connected, const std::vector<PhaseGuess>& anchors);
+    const Regions& regions, const std::vector<PhaseGuess>& anchors);
 
 /// The offsets of regions from known phases, for a pattern without stripes. A region without an
 /// anchor gets none (no_transition), nor does one whose anchors disagree (ambiguous_offset).

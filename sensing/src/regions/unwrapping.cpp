@@ -15,6 +15,9 @@ namespace {
 
 /// Half the width of the necks that are cut [px].
 constexpr long kNeck = 3;
+/// Smallest core in which a marker is expected [px]; a smaller one may lie between two stripe
+/// edges.
+constexpr int kLeastCore = 300;
 
 /// Smoothness classes have equal width in the square root of the variance.
 PALPATE_HOT_LOOP void classify(const float* variance, float max_variance, std::uint8_t* classes,
@@ -123,10 +126,10 @@ void vote_cores(const Labels& label, const std::vector<Marker>& markers, const L
 }
 
 /// Large cores without any marker become parts of their own.
-void doubt_cores(const Labels& label, const std::vector<SmoothRuns::Extent>& cores, int least_core,
-                 Parts& parts, std::vector<int>& core_parts) {
+void doubt_cores(const Labels& label, const std::vector<SmoothRuns::Extent>& cores, Parts& parts,
+                 std::vector<int>& core_parts) {
   for (std::size_t i = 0; i < core_parts.size(); ++i) {
-    if (core_parts[i] != kNoMarker || cores[i].pixels < least_core) continue;
+    if (core_parts[i] != kNoMarker || cores[i].pixels < kLeastCore) continue;
     core_parts[i] = parts.of_unknown_turns(label.data()[cores[i].first]);
   }
 }
@@ -248,7 +251,7 @@ void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimit
   Parts parts(regions);
   buffers.core_parts.assign(static_cast<std::size_t>(buffers.runs.count()), kNoMarker);
   vote_cores(regions.label, markers, buffers.cores, parts, buffers.core_parts);
-  doubt_cores(regions.label, buffers.core_extents, limits.least_core, parts, buffers.core_parts);
+  doubt_cores(regions.label, buffers.core_extents, parts, buffers.core_parts);
   if (!parts.any_several()) return;
   buffers.roles.resize(wrapped.rows(), wrapped.cols());
   rank_pixels(variance.data(), static_cast<float>(limits.max_variance), buffers.roles.data(),

@@ -15,9 +15,6 @@ namespace palpate::sensing {
 struct FloodLimits {
   double max_variance = 0;  ///< largest phase variance of a pixel [rad^2]
   double max_step = 0;      ///< largest phase step between pixels [rad], < pi
-  /// Smallest core in which a marker is expected [px]; by default, a smaller one may lie between
-  /// two stripe edges.
-  int least_core = 300;
 };
 
 /// Smooth regions of the phase, each unwrapped up to its own multiple of 2 pi.

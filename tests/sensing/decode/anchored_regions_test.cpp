@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <opencv2/core.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -64,6 +66,47 @@ TEST(AnchoredRegions, TakeAnchorsOnBothSidesOfAStep) {
                           {.anchors = {anchor_at(scene, 20, 120), anchor_at(scene, 160, 120)}});
     EXPECT_NO_THROW((void)decoder.decode(scene.frame)) << distance;
   }
+}
+
+/// A tilted card of another material before a wall.
+Scene card_before_wall(const Rig& rig, const Pattern& pattern, double distance) {
+  Scene scene = render(rig, pattern, plane({0, 0, 1}, 720));
+  const Scene card = render(rig, pattern, plane({0.1, 0.4, 1}, distance), 0.1, 0.2);
+  const cv::Rect place(60, 70, 160, 110);
+  card.frame(place).copyTo(scene.frame(place));
+  scene.z.block(place.y, place.x, place.height, place.width) =
+      card.z.block(place.y, place.x, place.height, place.width);
+  return scene;
+}
+
+TEST(AnchoredRegions, EndAtStepsWhoseWholePeriodsThePhaseDoesNotShow) {
+  const Rig rig = make_rig(false);
+  for (const double distance : {640.0, 600.0, 565.0, 530.0}) {
+    const Scene scene = card_before_wall(rig, sinusoid(Axis::y), distance);
+    for (const Anchor& anchor : {anchor_at(scene, 20, 40), anchor_at(scene, 140, 125)}) {
+      const DecodeResult result =
+          Decoder(rig, sinusoid(Axis::y), {}, {.anchors = {anchor}}).decode(scene.frame);
+      const auto known = result.range.z > 0;
+      const auto wrong = known && (result.range.z - scene.z).abs() > 8;  // half a period, nearly
+      EXPECT_GE(known.count(), 5000) << distance << ' ' << anchor.u_px;
+      EXPECT_LE(static_cast<double>(wrong.count()), 0.01 * static_cast<double>(known.count()))
+          << distance << ' ' << anchor.u_px;
+    }
+  }
+}
+
+TEST(AnchoredRegions, KeepASmoothReliefWhole) {
+  const Rig rig = make_rig(false);
+  const Surface relief = [](const Eigen::Vector2d& ray) {
+    return 700 + 4 * std::sin(40 * ray.x()) * std::cos(30 * ray.y());
+  };
+  Scene scene = render(rig, sinusoid(Axis::y), relief);
+  add_noise(scene.frame, 0.005, 3);
+  const DecodeResult result =
+      Decoder(rig, sinusoid(Axis::y), {}, {.anchors = {anchor_at(scene, 160, 120)}})
+          .decode(scene.frame);
+  const auto right = (result.range.z - scene.z).abs() < 2;
+  EXPECT_GE(static_cast<double>(right.count()), 0.95 * static_cast<double>(scene.z.size()));
 }
 
 }  // namespace

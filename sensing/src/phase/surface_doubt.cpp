@@ -1,0 +1,254 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "phase/surface_doubt.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+
+#include "image/hot_loop.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// A smooth surface hardly has more; the real relief of docs/sensing-accuracy.md has less on 98 of
+/// 100 pixels. Contrast (a - b) / (a + b) of the modulations a period before and behind a pixel,
+/// change of the frequency there as part of the carrier's, contrast of the light, and jump of the
+/// phase [turns].
+constexpr float kDoubtfulModulation = 0.4F;
+constexpr float kDoubtfulFrequency = 0.3F;
+constexpr float kDoubtfulLight = 0.25F;
+constexpr float kDoubtfulJump = 0.15F;
+
+/// Distance from a pixel beyond which an edge of the light at it is not seen [px].
+constexpr long kEdge = 2;
+/// Phases beside a pixel are averages over this part of a period, over four pixels at least.
+constexpr double kSidePart = 1.0 / 8;
+constexpr long kLeastSide = 4;
+/// Closer to the end of a column than this part of a period, windows are cut too much.
+constexpr double kCutPart = 1.0 / 4;
+/// The local frequency is that between places this part of a period before and behind, at least
+/// two pixels away.
+constexpr double kFrequencyPart = 1.0 / 16;
+/// Part of the amplitude that the window must still pass at the local frequency.
+constexpr float kLeastResponse = 0.3F;
+/// Doubt where the modulations cannot be compared: at the ends of a surface, beside shadows.
+constexpr float kUnproven = 0.5F;
+constexpr float kTurn = 2 * std::numbers::pi_v<float>;
+
+float whole_turns_removed(float phase) { return phase - kTurn * std::nearbyint(phase / kTurn); }
+
+/// Part of the amplitude that the window passes at a frequency beside the carrier.
+class Response {
+ public:
+  explicit Response(const DemodulationFilter& filter) {
+    for (std::size_t step = 0; step <= kSteps; ++step) {
+      const double frequency = std::abs(filter.carrier) * static_cast<double>(step) / kSteps;
+      double sum = 0;
+      for (int k = -filter.radius; k <= filter.radius; ++k) {
+        sum += static_cast<double>(filter.weight[static_cast<std::size_t>(std::abs(k))]) *
+               std::cos(frequency * k);
+      }
+      values_.at(step) = std::max(kLeastResponse, static_cast<float>(sum));
+    }
+  }
+  /// \param frequency as part of the carrier's
+  [[nodiscard]] float at(float frequency) const {
+    const float step = std::min(std::abs(frequency) * kSteps, float{kSteps});
+    return values_[static_cast<std::size_t>(step + 0.5F)];
+  }
+
+ private:
+  static constexpr int kSteps = 64;
+  std::array<float, kSteps + 1> values_{};
+};
+
+/// The local frequency beside the carrier's, as part of it; zero where it is unknown.
+void find_local_frequency(const Plane& phase, const DemodulationFilter& filter, Plane& frequency) {
+  const long reach = std::max(2L, std::lround(filter.period() * kFrequencyPart));
+  const float scale =
+      1 / static_cast<float>(std::abs(filter.carrier) * static_cast<double>(2 * reach));
+  frequency.setZero(phase.rows(), phase.cols());
+  for (long row = reach; row + reach < phase.rows(); ++row) {
+    for (long column = 0; column < phase.cols(); ++column) {
+      const float step =
+          whole_turns_removed(phase(row + reach, column) - phase(row - reach, column));
+      if (!std::isnan(step)) frequency(row, column) = step * scale;
+    }
+  }
+}
+
+/// The modulation at the local frequency; NaN where the phase is unknown.
+void find_modulation(const Combined& sinusoid, const Plane& light, const Plane& frequency,
+                     const DemodulationFilter& filter, Plane& modulation) {
+  const Response response(filter);
+  modulation.resize(light.rows(), light.cols());
+  for (long i = 0; i < light.size(); ++i) {
+    modulation.data()[i] = std::hypot(sinusoid.re.data()[i], sinusoid.im.data()[i]) /
+                           (light.data()[i] * response.at(frequency.data()[i]));
+  }
+}
+
+/// Takes the values within this many rows of an unknown one in their column, or of its end.
+void drop_ends(long distance, Plane& values) {
+  for (long column = 0; column < values.cols(); ++column) {
+    long first = 0;  // of the known values that end at the row
+    for (long row = 0; row <= values.rows(); ++row) {
+      if (row < values.rows() && !std::isnan(values(row, column))) continue;
+      const long cut = std::min(distance, row - first);
+      values.col(column).segment(first, cut) = kUnknown;
+      values.col(column).segment(row - cut, cut) = kUnknown;
+      first = row + 1;
+    }
+  }
+}
+
+/// Adds the square of the contrast of two values. Where they are not both known, it adds that of
+/// two others.
+PALPATE_HOT_LOOP void add_contrast(const float* one, const float* other, const float* near_one,
+                                   const float* near_other, float doubtful, float unknown,
+                                   float* __restrict doubt, long count) {
+  for (long i = 0; i < count; ++i) {
+    const float far = (one[i] - other[i]) / ((one[i] + other[i]) * doubtful);
+    const float near = (near_one[i] - near_other[i]) / ((near_one[i] + near_other[i]) * doubtful);
+    const float contrast = far == far ? far : near;
+    const float square = contrast * contrast;
+    doubt[i] += square == square ? square : unknown;
+  }
+}
+
+/// Rows of the phase half a period, and one and a half, before and behind a row.
+struct PhaseRows {
+  const float* far_before;
+  const float* before;
+  const float* behind;
+  const float* far_behind;
+};
+
+/// Adds the square of the change of the phase over a period from before the row to behind it.
+PALPATE_HOT_LOOP void add_frequency(const PhaseRows& rows, float* __restrict doubt, long count) {
+  const PhaseRows r = rows;
+  for (long i = 0; i < count; ++i) {
+    const float turns =
+        ((r.far_behind[i] - r.behind[i]) - (r.before[i] - r.far_before[i])) * (1 / kTurn);
+    const float change = (turns - std::nearbyint(turns)) * (1 / kDoubtfulFrequency);
+    const float square = change * change;
+    doubt[i] += square == square ? square : 0;
+  }
+}
+
+void add_changes_down(const Plane& modulation, const Plane& phase, double period, Plane& doubt) {
+  const long whole = std::lround(period);
+  const long half = whole / 2;
+  const long rows = doubt.rows();
+  const long columns = doubt.cols();
+  const Eigen::ArrayXf unknown = Eigen::ArrayXf::Constant(columns, kUnknown);
+  const auto row_of = [&](const Plane& plane, long row) {
+    return row >= 0 && row < rows ? &plane(row, 0) : unknown.data();
+  };
+  for (long row = 0; row < rows; ++row) {
+    add_contrast(row_of(modulation, row - whole), row_of(modulation, row + whole),
+                 row_of(modulation, row - half), row_of(modulation, row + half),
+                 kDoubtfulModulation, kUnproven, &doubt(row, 0), columns);
+    add_frequency({row_of(phase, row - whole - half), row_of(phase, row - half),
+                   row_of(phase, row + half), row_of(phase, row + whole + half)},
+                  &doubt(row, 0), columns);
+  }
+}
+
+/// Sums of the sinusoid over ranges of a row, where the phase is known.
+class SideSums {
+ public:
+  void start(const Combined& sinusoid, const Plane& light, long row) {
+    const long columns = light.cols();
+    sum_.assign(static_cast<std::size_t>(columns + 1), {});
+    count_.assign(sum_.size(), 0);
+    for (long column = 0; column < columns; ++column) {
+      const auto at = static_cast<std::size_t>(column);
+      const bool known = !std::isnan(light(row, column));
+      sum_[at + 1] = sum_[at];
+      count_[at + 1] = count_[at] + (known ? 1 : 0);
+      if (!known) continue;
+      sum_[at + 1] += std::complex<double>(static_cast<double>(sinusoid.re(row, column)),
+                                           static_cast<double>(sinusoid.im(row, column)));
+    }
+  }
+  /// None if the phase is known on less than half of the range.
+  [[nodiscard]] std::optional<std::complex<double>> over(long first, long width) const {
+    const long columns = static_cast<long>(count_.size()) - 1;
+    const auto begin = static_cast<std::size_t>(std::clamp(first, 0L, columns));
+    const auto end = static_cast<std::size_t>(std::clamp(first + width, 0L, columns));
+    if (2 * (count_[end] - count_[begin]) < width) return std::nullopt;
+    return sum_[end] - sum_[begin];
+  }
+
+ private:
+  std::vector<std::complex<double>> sum_;
+  std::vector<long> count_;
+};
+
+/// Change of the phase from one range to the next; zero if it is not known.
+double slope(const std::optional<std::complex<double>>& from,
+             const std::optional<std::complex<double>>& to) {
+  return from && to ? std::arg(*to * std::conj(*from)) : 0;
+}
+
+/// Adds the square of the jump of the phase between the two sides of a pixel, each continued to it.
+void add_jumps(const Combined& sinusoid, const Plane& light, double period, Plane& doubt) {
+  const long side = std::max(kLeastSide, std::lround(period * kSidePart));
+  const double to_pixel = static_cast<double>(kEdge) + static_cast<double>(side - 1) / 2;
+  const double ranges = to_pixel / static_cast<double>(side);
+  SideSums sums;
+  for (long row = 0; row < light.rows(); ++row) {
+    sums.start(sinusoid, light, row);
+    for (long column = 0; column < light.cols(); ++column) {
+      if (std::isnan(light(row, column))) continue;
+      const auto left = sums.over(column - kEdge - side + 1, side);
+      const auto right = sums.over(column + kEdge, side);
+      if (!left || !right) continue;
+      const double by_slopes = slope(sums.over(column - kEdge - 2 * side + 1, side), left) +
+                               slope(right, sums.over(column + kEdge + side, side));
+      const auto jump = static_cast<float>(slope(left, right) - ranges * by_slopes);
+      const float change = whole_turns_removed(jump) / (kTurn * kDoubtfulJump);
+      doubt(row, column) += change * change;
+    }
+  }
+}
+
+}  // namespace
+
+void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& filter,
+                        double max_variance, SurfaceDoubt& doubt) {
+  const long rows = signal.wrapped.rows();
+  const long columns = signal.wrapped.cols();
+  const auto known = signal.variance.isFinite();
+  // Of the brightest channel.
+  Plane light = Plane::Zero(rows, columns);
+  for (const Demodulated& channel : signal.channels) light = light.max(channel.mean);
+  light = known.select(light, kUnknown);
+  doubt.across = signal.variance / static_cast<float>(max_variance);
+  doubt.down = doubt.across;
+
+  Plane phase = known.select(signal.wrapped, kUnknown);
+  Plane frequency, modulation;
+  find_local_frequency(phase, filter, frequency);
+  doubt.down += frequency.square();  // at 1 beside the carrier, the window passes nothing
+  find_modulation(signal.combined, light, frequency, filter, modulation);
+  const long cut = std::lround(filter.period() * kCutPart);
+  drop_ends(cut, modulation);
+  drop_ends(cut, phase);
+  add_changes_down(modulation, phase, filter.period(), doubt.down);
+
+  for (long row = 0; row < rows && columns > 2 * kEdge; ++row) {
+    const float* const one = &light(row, 0);
+    const float* const other = &light(row, 2 * kEdge);
+    add_contrast(one, other, one, other, kDoubtfulLight, 0, &doubt.across(row, kEdge),
+                 columns - 2 * kEdge);
+  }
+  add_jumps(signal.sharp, light, filter.period(), doubt.across);
+}
+
+}  // namespace palpate::sensing
