@@ -92,6 +92,22 @@ void find_modulation(const Combined& sinusoid, const Plane& light, const Plane& 
   }
 }
 
+/// Fills the dips of a row, between two colours of which one channel each is the brightest.
+void fill_dips(long row, Plane& light) {
+  const long columns = light.cols();
+  const Eigen::ArrayXf known = light.row(row).isNaN().select(0, light.row(row));
+  Eigen::ArrayXf widened(columns);
+  const auto around = [&](const Eigen::ArrayXf& values, long column) {
+    const long first = std::max(0L, column - 2 * kEdge);
+    return values.segment(first, std::min(columns, column + 2 * kEdge + 1) - first);
+  };
+  for (long column = 0; column < columns; ++column)
+    widened[column] = around(known, column).maxCoeff();
+  for (long column = 0; column < columns; ++column) {
+    if (!std::isnan(light(row, column))) light(row, column) = around(widened, column).minCoeff();
+  }
+}
+
 /// Takes the values within this many rows of an unknown one in their column, or of its end.
 void drop_ends(long distance, Plane& values) {
   for (long column = 0; column < values.cols(); ++column) {
@@ -243,6 +259,7 @@ void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& f
   add_changes_down(modulation, phase, filter.period(), doubt.down);
 
   for (long row = 0; row < rows && columns > 2 * kEdge; ++row) {
+    if (signal.channels.size() > 1) fill_dips(row, light);
     const float* const one = &light(row, 0);
     const float* const other = &light(row, 2 * kEdge);
     add_contrast(one, other, one, other, kDoubtfulLight, 0, &doubt.across(row, kEdge),

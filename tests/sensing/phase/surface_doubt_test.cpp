@@ -25,14 +25,19 @@ struct Seen {
   double phase = 0;  ///< [rad]
 };
 
+/// What a channel shows of the light at a column; all of it by default.
+using Shares = std::vector<std::function<double(double)>>;
+
 /// The doubt about what is seen; the phase is known everywhere.
-SurfaceDoubt doubt_about(const std::function<Seen(double, double)>& surface) {
-  Plane image(kDoubtRows, kDoubtColumns);
+SurfaceDoubt doubt_about(const std::function<Seen(double, double)>& surface,
+                         const Shares& shares = {[](double) { return 1.0; }}) {
+  std::vector<Plane> images(shares.size(), Plane(kDoubtRows, kDoubtColumns));
   for (long row = 0; row < kDoubtRows; ++row) {
     for (long column = 0; column < kDoubtColumns; ++column) {
       const Seen seen = surface(static_cast<double>(row), static_cast<double>(column));
-      image(row, column) =
-          static_cast<float>(seen.light * (1 + seen.modulation * std::cos(seen.phase)));
+      const double value = seen.light * (1 + seen.modulation * std::cos(seen.phase));
+      for (std::size_t i = 0; i < shares.size(); ++i)
+        images[i](row, column) = static_cast<float>(value * shares[i](static_cast<double>(column)));
     }
   }
   const Mask lit = Mask::Ones(kDoubtRows, kDoubtColumns);
@@ -40,12 +45,16 @@ SurfaceDoubt doubt_about(const std::function<Seen(double, double)>& surface) {
   DemodulationFilter narrow = filter;
   narrow.averages = 1;
   Demodulation wide, sharp;
-  demodulate({image}, lit, filter, wide);
-  demodulate({image}, lit, narrow, sharp);
+  demodulate(images, lit, filter, wide);
+  demodulate(images, lit, narrow, sharp);
   const auto combined = [](const Demodulation& from) {
     Combined to;
-    to.re = from.channels[0].re;
-    to.im = from.channels[0].im;
+    to.re = Plane::Zero(kDoubtRows, kDoubtColumns);
+    to.im = to.re;
+    for (const Demodulated& channel : from.channels) {
+      to.re += channel.re;
+      to.im += channel.im;
+    }
     return to;
   };
   const Combined combined_wide = combined(wide), combined_sharp = combined(sharp);
@@ -95,6 +104,17 @@ TEST(SurfaceDoubt, SeesAJumpOfThePhaseOrTheLightAcrossTheColumns) {
     return Seen{.light = column > kMiddleColumn ? 0.4 : 0.2, .phase = phase_at(row)};
   });
   EXPECT_GT(doubt.across.col(kMiddleColumn).segment(30, 140).minCoeff(), 1.0F);
+}
+
+// Halfway between two blurred colours no channel is bright.
+TEST(SurfaceDoubt, IsSmallWhereAnotherChannelBecomesTheBrightest) {
+  const auto surface = [](double row, double) { return Seen{.phase = phase_at(row)}; };
+  const auto first = [](double column) {
+    return 1 / (1 + std::exp((column - kMiddleColumn) / 0.8));
+  };
+  const auto second = [&](double column) { return 1 - first(column); };
+  EXPECT_GT(most(doubt_about(surface, {first}).across), 1.0F);
+  EXPECT_LT(most(doubt_about(surface, {first, second}).across), 0.5F);
 }
 
 // The phase goes on over a step of whole periods, but not the frequency or the material.
