@@ -25,6 +25,9 @@ namespace {
 /// Side of the tiles that surfaces are divided into: part of a period, but at least so many pixels.
 constexpr double kTilePart = 1.0 / 8;
 constexpr long kLeastTile = 4;
+/// Largest distance of an anchor from the region that takes it, as part of a period. So far, the
+/// phase of one surface changes by less than the half turn that rounding it bears.
+constexpr double kAnchorReach = 1.0 / 4;
 
 /// The phases at the anchors, at the nearest pixels of regions; `edge` is the number of the anchor.
 void find_anchors(const DecoderGeometry& model, const DemodulationFilter& filter,
@@ -48,7 +51,8 @@ void find_anchors(const DecoderGeometry& model, const DemodulationFilter& filter
     const auto phase = model.phase_at_depth(guess.row, guess.column, anchor.z);
     if (!phase) continue;
     guess.phase = *phase;
-    const auto near = nearest_in_region(work.regions, guess, filter.radius);
+    const auto near =
+        nearest_in_region(work.regions, guess, std::lround(filter.period() * kAnchorReach));
     if (near) work.guesses.push_back(*near);
   }
 }

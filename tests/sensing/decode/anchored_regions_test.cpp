@@ -109,5 +109,18 @@ TEST(AnchoredRegions, KeepASmoothReliefWhole) {
   EXPECT_GE(static_cast<double>(right.count()), 0.95 * static_cast<double>(scene.z.size()));
 }
 
+// What is beside a dark groove may be another surface than the groove.
+TEST(AnchoredRegions, TakeNoAnchorThatIsFarFromAllOfThem) {
+  const Rig rig = make_rig(false);
+  Scene scene = render(rig, sinusoid(Axis::y), plane({0, 0, 1}, 720));
+  scene.frame.rowRange(100, 114).setTo(cv::Scalar::all(0));
+  const auto depths = [&](int row) {
+    const Decoder decoder(rig, sinusoid(Axis::y), {}, {.anchors = {anchor_at(scene, 160, row)}});
+    return (decoder.decode(scene.frame).range.z > 0).count();
+  };
+  EXPECT_GE(depths(97), 5000);
+  EXPECT_EQ(depths(106), 0);
+}
+
 }  // namespace
 }  // namespace palpate::sensing
