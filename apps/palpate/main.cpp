@@ -31,7 +31,7 @@ int run(int argc, char** argv) {
   std::optional<int> threads;
   int verbosity = 0;
   show_shared_options(app);
-  app.set_help_all_flag("--help-all", "Print this help with the options that few users set");
+  app.set_help_all_flag("--help-all", "Also list the options that few users set");
   app.add_flag("--json", settings.json, "Print the results as one JSON object instead of text")
       ->group(kSharedOptions);
   // After --json, whose value it reads.

@@ -264,7 +264,7 @@ void AcquisitionView::panel_of_contact() {
   const probing::Contact& contact = scene_.acquisition.contacts()[*chosen_];
   heading(fmt::format("Contact {}", contact.id).c_str());
   figure("position [mm]", fmt::format("{:.1f}, {:.1f}, {:.1f}", contact.position.x(),
-                                   contact.position.y(), contact.position.z()));
+                                      contact.position.y(), contact.position.z()));
   figure("samples", fmt::format("{}", scene_.acquisition.samples_of(*chosen_).size()));
   std::vector<SampleArrow> own;
   std::ranges::copy_if(arrows_, std::back_inserter(own),

@@ -317,9 +317,10 @@ TEST_F(DepthImages, OneThatIsBrokenDoesNotStopTheOthers) {
 
 TEST_F(DepthImages, ImagesThatAreNoneAreRefusedByNameBeforeAnythingIsWritten) {
   sensing::write_png(scratch / "depth/grey.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(7)));
-  expect_refused(mesh(by_numbers), {"grey.png: is a grey image of 8 bit", "16 bit"});
+  expect_refused(mesh(by_numbers), {"grey.png: is a grey image of 8 bit", "16-bit"});
   sensing::write_png(scratch / "depth/grey.png", cv::Mat(480, 640, CV_16UC3, cv::Scalar(7, 8, 9)));
-  expect_refused(mesh(by_numbers), {"grey.png: is a colour image of 16 bit", "16-bit single-channel"});
+  expect_refused(mesh(by_numbers),
+                 {"grey.png: is a colour image of 16 bit", "16-bit single-channel"});
 }
 
 TEST_F(DepthImages, RangeMapsAndDepthImagesAreNotMixedButPicturesMayLieBesideRangeMaps) {

@@ -106,9 +106,7 @@ void add_export(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ExportCall>();
   PageCall& page = call->page;
   CLI::App* command = app.add_subcommand(
-      "export",
-      "Export the surface or the fields of a model, a mesh or a range map as a mesh for other "
-      "programs, or a page of any of them");
+      "export", "Export a model, a mesh or a range map for other programs, or as a web page");
   command
       ->add_option("INPUT", page.input,
                    "Model folder, range map, depth image or mesh; with --html also a folder of "

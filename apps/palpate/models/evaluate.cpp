@@ -54,7 +54,7 @@ Json to_json(const std::optional<haptics::StatedErrors>& stated) {
 std::string stated_in_words(const std::optional<haptics::StatedErrors>& stated) {
   if (!stated) return "the model states no errors";
   return fmt::format(
-      "stated {} (RMS); each error divided by the one stated for it: {:.2f} (RMS), 1 is right",
+      "stated {} (RMS); each error divided by the one stated for it: {:.2f} (RMS), 1 is ideal",
       newtons(stated->rms), stated->ratio);
 }
 
@@ -173,7 +173,7 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
   }
   if (const int unknown = haptics::unknown_friction_count(model); unknown > 0) {
     prose += fmt::format(
-        "The friction of {} is unknown; forces there hold while the tool does not slip\n",
+        "The friction of {} is unknown; forces there are valid only while the tool does not slip\n",
         counted(unknown, "contact"));
   }
   figures["unknown_friction"] = haptics::unknown_friction_count(model);

@@ -196,7 +196,7 @@ void add_device_options(CLI::App& command, PlayCall& call) {
       ->check(within(above(0).finite()));
   command.add_option("--session", device.session,
                      "Record to write of all that the loop reads and commands, for --replay");
-  command.add_option("--replay", call.replay, "Compute a session again and compare every bit");
+  command.add_option("--replay", call.replay, "Recompute a session and check that it is identical");
   command.add_option("--pose", device.pose,
                      "Pose of the device's frame in the model's: a file with a 3 x 4 matrix");
   command
@@ -233,9 +233,10 @@ void add_device_options(CLI::App& command, PlayCall& call) {
                   "Time after which --exchange replaces the model, without a pause [s]")
       ->check(within(at_least(0).finite()))
       ->needs("--exchange");
-  command.add_flag("--stability", call.stability,
-                   "Say which stiffness is calm with the device, and which rate and damping the "
-                   "model needs");
+  command.add_flag(
+      "--stability", call.stability,
+      "Report which stiffness is stable with the device, and which rate and damping the "
+      "model needs");
 }
 
 }  // namespace

@@ -207,7 +207,7 @@ void add_bake(CLI::App& app, const Settings& settings) {
   command->add_option("SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)")
       ->required();
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
-  command->add_option("--spacing", call->plan.spacing, "Least distance of contacts [mm]")
+  command->add_option("--spacing", call->plan.spacing, "Smallest distance between contacts [mm]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
   command
@@ -231,7 +231,7 @@ void add_bake(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--margin", call->queries.margin,
-                   "Least distance of these forces from the border of the surface [mm]")
+                   "Smallest distance of these forces from the border of the surface [mm]")
       ->check(within(at_least(0).finite()))
       ->capture_default_str();
   command->add_option(

@@ -213,7 +213,7 @@ void export_csv(const Settings& settings, const ProbeCall& call) {
 void add_probe(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ProbeCall>();
   CLI::App* probe = app.add_subcommand(
-      "probe", "Plan and take measurements of an object by an arm; convert them");
+      "probe", "Plan and take measurements of an object with an arm; convert measurements");
   probe->require_subcommand(1);
   add_probe_truth(*probe, settings);
   add_probe_plan(*probe, settings);
@@ -315,7 +315,8 @@ void add_probe(CLI::App& app, const Settings& settings) {
       "surface.ply");
   in->callback([call, &settings] { import_data(settings, *call); });
 
-  CLI::App* out = probe->add_subcommand("export", "Convert such a database to two CSV files");
+  CLI::App* out =
+      probe->add_subcommand("export", "Convert a database of measurements to two CSV files");
   out->add_option("ACQUISITION", call->store, "Database to read (acquisition.db)")->required();
   out->add_option("-o,--output", call->output,
                   "Folder for contacts.csv and samples.csv, in which neither is yet")

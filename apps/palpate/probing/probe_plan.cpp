@@ -121,7 +121,7 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
        {"grid", probing::PlanPattern::grid}},
       "farthest-point: even along the surface, each prefix is a coarser plan (default); grid: on "
       "alternating lines as the sensor sees them");
-  command->add_option("--spacing", options.spacing, "Least distance of contacts [mm]")
+  command->add_option("--spacing", options.spacing, "Smallest distance between contacts [mm]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
   command
@@ -132,7 +132,7 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--border", options.border,
-                   "Least distance from the border along the surface, in radii of the tip")
+                   "Smallest distance from the border along the surface, in radii of the tip")
       ->check(within(at_least(0).finite()))
       ->capture_default_str();
   command
@@ -140,9 +140,10 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
                    "Largest angle between normal and sensor [degrees]")
       ->check(within(above(0).at_most(90)))
       ->capture_default_str();
-  command->add_option("--sensor", call->sensor, "Place of the sensor: x y z [mm] (default: 0 0 0)")
+  command
+      ->add_option("--sensor", call->sensor, "Position of the sensor: x y z [mm] (default: 0 0 0)")
       ->expected(3);
-  command->add_option("--lowest-force", options.lowest_force, "Least normal force [N]")
+  command->add_option("--lowest-force", options.lowest_force, "Smallest normal force [N]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
   command->add_option("--highest-force", options.highest_force, "Largest normal force [N]")

@@ -264,7 +264,7 @@ void add_stop_file(CLI::App& command, ArmWatch& watch) {
 void add_probe_run(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<RunCall>();
   probing::CampaignOptions& options = call->options;
-  CLI::App* run = probe.add_subcommand("run", "Probe an object by a plan");
+  CLI::App* run = probe.add_subcommand("run", "Probe an object according to a plan");
   run->add_option("PLAN", call->plan, "Plan of 'palpate probe plan'")->required();
   run->add_option("-o,--output", call->store,
                   "Store to write (acquisition.db); must not exist. Needed without --dry-run");
@@ -282,7 +282,7 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
   run->add_option("--record", call->watch.record,
                   "Also write all that the arm measured and was commanded, at 1 kHz");
   run->add_option("--replay", call->arm.replay,
-                  "In place of an arm: a file of --record, with the same plan and options");
+                  "Instead of an arm: a file of --record, with the same plan and options");
   run->add_flag("--dry-run", call->dry_run,
                 "Only visit all contacts, 20 mm above the surface, and name those out of reach");
   add_choice<probing::TrialStrategy>(
@@ -333,7 +333,7 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
       run_campaign(settings, *call);
   });
 
-  CLI::App* resume = probe.add_subcommand("resume", "Go on with a campaign of 'probe run'");
+  CLI::App* resume = probe.add_subcommand("resume", "Continue a campaign of 'probe run'");
   resume->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
       ->required();
   add_stop_file(*resume, call->watch);

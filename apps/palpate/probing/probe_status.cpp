@@ -57,8 +57,8 @@ void show_status(const Settings& settings, const fs::path& path) {
 
 void add_probe_status(CLI::App& probe, const Settings& settings) {
   auto path = std::make_shared<fs::path>();
-  CLI::App* status = probe.add_subcommand(
-      "status", "Show what is done and left of a campaign, also while it runs");
+  CLI::App* status =
+      probe.add_subcommand("status", "Show the progress of a campaign, also while it runs");
   status->add_option("ACQUISITION", *path, "Store of the campaign (acquisition.db)")->required();
   status->footer("Example:\n  palpate probe status acquisition.db --json");
   status->callback([path, &settings] { show_status(settings, *path); });

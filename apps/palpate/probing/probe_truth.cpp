@@ -96,7 +96,7 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--margin", call->options.margin,
-                   "Least distance of their points from the border [mm]")
+                   "Smallest distance of their points from the border [mm]")
       ->check(within(at_least(0).finite()))
       ->capture_default_str();
   command->add_option("--max-force", call->options.max_force, "Largest of the forces [N]")

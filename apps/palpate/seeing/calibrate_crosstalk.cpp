@@ -69,7 +69,8 @@ void calibrate_crosstalk(const Settings& settings, const CrosstalkCall& call) {
 void add_calibrate_crosstalk(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<CrosstalkCall>();
   CLI::App* crosstalk = calibrate.add_subcommand(
-      "crosstalk", "How the camera's channels mix the projector's colours, from three flat images");
+      "crosstalk",
+      "Measure how the camera's channels mix the projector's colours, from three flat images");
   crosstalk->add_option("--off", call->off, "Image with the projector off or black")->required();
   crosstalk->add_option("--red", call->red, "Image under even red (1, 0, 0)")->required();
   crosstalk->add_option("--green", call->green, "Image under even green (0, 1, 0)")->required();

@@ -17,16 +17,16 @@ void add_live_camera_options(CLI::App& command, CameraCall& call) {
   command
       .add_option("CAMERA", call.name,
                   "aravis:NAME (GenICam), v4l2:NUMBER, or simulated:PATH, which plays a folder of "
-                  "images or a video again and again; palpate capture list shows which there are")
+                  "images or a video in a loop; palpate capture list lists the available cameras")
       ->required();
   command.add_option("--size", call.size, "Width and height of the frames [px]")
       ->expected(2)
       ->check(within(at_least(2)));
   command.add_option("--rate", call.settings.rate, "Frames per second")
       ->check(within(above(0).finite()));
-  command.add_option("--exposure", call.settings.exposure_us, "Time of exposure [us]")
+  command.add_option("--exposure", call.settings.exposure_us, "Exposure time [us]")
       ->check(within(above(0).finite()));
-  command.add_option("--gain", call.settings.gain, "Gain, in the camera's unit (mostly dB)")
+  command.add_option("--gain", call.settings.gain, "Gain, in the camera's unit (usually dB)")
       ->check(within(finite()));
   command.add_option("--pixel-format", call.settings.pixel_format,
                      "As GenICam names it, such as Mono8, BayerRG8, BayerRG12, RGB8");

@@ -261,7 +261,7 @@ void record_sequence(const Settings& settings, const SequenceCall& call) {
 void add_capture_sequence(CLI::App& capture, const Settings& settings) {
   auto call = std::make_shared<SequenceCall>();
   CLI::App* command = capture.add_subcommand(
-      "sequence", "Record a sequence of frames, and with --decode decode it meanwhile");
+      "sequence", "Record a sequence of frames; with --decode, also decode it");
   add_live_camera_options(*command, call->camera);
   command->add_option("-o,--output", call->output, "New folder for the frames")->required();
   command->add_option("--count", call->count, "End after this number of frames")
@@ -288,7 +288,7 @@ void add_capture_sequence(CLI::App& capture, const Settings& settings) {
   command
       ->add_option("--projector", call->projector,
                    "Monitor that is the projector, by number or name (palpate-project --list); "
-                   "without it the last one")
+                   "default: the last one")
       ->needs(show);
   command->footer(
       "Without --count and --seconds the recording goes on until Ctrl-C, which ends it with all "

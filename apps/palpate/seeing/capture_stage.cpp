@@ -44,7 +44,7 @@ void add_stage_options(CLI::App& command, StageCall& call, const std::string& im
   CLI::Option* projector =
       command.add_option("--projector", call.projector,
                          "Monitor that is the projector, by number or name (palpate-project "
-                         "--list); without it the last one");
+                         "--list); default: the last one");
   command
       .add_flag("--by-hand", call.by_hand,
                 "You show each image yourself, with another program or a slide, and press Enter")

@@ -150,7 +150,7 @@ void add_capture_stills(CLI::App& capture, const Settings& settings) {
       take_multishot);
   multishot.first
       ->add_option("--exposures", multishot.second->exposures,
-                   "Times of exposure [us], for scenes with bright and dark areas")
+                   "Exposure times [us], for scenes with bright and dark areas")
       ->check(within(above(0).finite()))
       ->excludes("--exposure");
   const auto planes =

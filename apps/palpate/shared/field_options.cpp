@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
 #include <sstream>
 #include <type_traits>
@@ -43,7 +44,9 @@ class OptionMaker : public FieldVisitor {
   }
   void on_flag(const Field& field, bool value, const std::function<void(bool)>& set) override {
     const std::string name = flag_name(field.name, value);
-    const std::string text = (value ? "Switch off: " : "") + text_of(field);
+    std::string text = text_of(field);
+    if (value)
+      text = "Do not " + std::string(1, static_cast<char>(std::tolower(text[0]))) + text.substr(1);
     keep(field, command_.add_flag_callback(
                     name, [set, value] { set(!value); }, text));
   }

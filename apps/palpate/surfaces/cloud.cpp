@@ -92,7 +92,7 @@ void add_removing_steps(CLI::App& command, CloudCall& call) {
            })
       ->check(within(above(0).finite()));
   add_step(command, call, "--poisson", "FLOAT",
-           "Keep points of which no two are closer than this [mm], and that leave no gap larger",
+           "Keep points at least this far apart [mm], without larger gaps",
            [](WorkedCloud& worked, const Value& value, const CloudSettings&) {
              sample_poisson(worked, number_of(value));
            })
@@ -234,7 +234,7 @@ void add_cloud(CLI::App& app, const Settings& settings) {
   add_finding_steps(*command, *call);
   command
       ->add_option("--viewpoint", call->viewpoint,
-                   "X,Y,Z from where the points were seen [mm]: normals point there")
+                   "Position X,Y,Z of the sensor [mm]: normals point there")
       ->check(list_of_numbers([](const std::vector<double>& place) { return place.size() == 3; },
                               "three numbers X,Y,Z"));
   command

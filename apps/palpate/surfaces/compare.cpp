@@ -311,7 +311,8 @@ void add_compare(CLI::App& app, const Settings& settings) {
   command
       ->add_option(
           "--search-translation", call->search_translation,
-          "With --align: largest distance of the smaller surface's centroid from its final place "
+          "With --align: largest distance of the smaller surface's centroid from its final "
+          "position "
           "[mm] (default: unknown; then the smaller surface must cover the larger one or start "
           "close to "
           "its final place)")

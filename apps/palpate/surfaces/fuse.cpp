@@ -159,10 +159,11 @@ Json refuse_conflicts(const FuseCall& call, const geometry::MergedScans& merged,
       name(worst.scan), name(worst.other), 100 * worst.share, worst.depth,
       pairs.size() > 1 ? fmt::format("; in all, {} pairs of scans disagree", pairs.size()) : "");
   if (!call.force) {
-    throw SolverError(found +
-                      ". The object moved, the scans show different scenes, or poses are wrong. "
-                      "Fuse only scans of an object that does not move, pass their poses with --pose "
-                      "or find them with --register; --force fuses these nevertheless");
+    throw SolverError(
+        found +
+        ". The object moved, the scans show different scenes, or poses are wrong. "
+        "Fuse only scans of an object that does not move, pass their poses with --pose "
+        "or find them with --register; --force fuses these nevertheless");
   }
   spdlog::warn("{}.", found);
   return pairs;
@@ -254,7 +255,8 @@ void add_fuse(CLI::App& app, const Settings& settings) {
   command->footer(
       "The signed distances of all scans are averaged on a grid, and the surface is where they are "
       "zero. It is open where no scan measured. All scans must show the object in one state: where "
-      "one saw through the surface of another, by more than the reach, they disagree (exit status "
+      "one measured behind the surface of another, by more than the reach, they disagree (exit "
+      "status "
       "1). If decode --sigma has written the standard "
       "deviations of all range maps beside them, the mean is weighted by them, and a PLY file gets "
       "the standard deviation of each vertex (sigma) that the noise of the scans leaves.\n"

@@ -104,19 +104,20 @@ Description describe_depth_image(const cv::Mat_<std::uint16_t>& image) {
     if (value > 0) units.push_back(value);
   }
   const geometry::ErrorStatistics known = geometry::error_statistics(units);
-  return {{{"kind", "image"},
-           {"width", image.cols},
-           {"height", image.rows},
-           {"channels", 1},
-           {"bits", 16},
-           {"pixels", known.count},
-           {"median_units", known.median},
-           {"max_units", known.max}},
-          fmt::format("image, {} x {} px, 16-bit single-channel; as a depth image: depth known at {} "
-                      "({:.1f} %), median {:.0f} units, farthest {:.0f} units",
-                      image.cols, image.rows, known.count,
-                      100.0 * static_cast<double>(known.count) / static_cast<double>(image.total()),
-                      known.median, known.max)};
+  return {
+      {{"kind", "image"},
+       {"width", image.cols},
+       {"height", image.rows},
+       {"channels", 1},
+       {"bits", 16},
+       {"pixels", known.count},
+       {"median_units", known.median},
+       {"max_units", known.max}},
+      fmt::format("image, {} x {} px, 16-bit single-channel; as a depth image: depth known at {} "
+                  "({:.1f} %), median {:.0f} units, farthest {:.0f} units",
+                  image.cols, image.rows, known.count,
+                  100.0 * static_cast<double>(known.count) / static_cast<double>(image.total()),
+                  known.median, known.max)};
 }
 
 Description describe_image(const fs::path& path) {
@@ -334,7 +335,7 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
 
 void add_info(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<InfoCall>();
-  CLI::App* command = app.add_subcommand("info", "Describe a file in words and numbers");
+  CLI::App* command = app.add_subcommand("info", "Describe a file or a folder");
   command->add_option("FILE", call->path, "Any file or folder that Palpate reads or writes")
       ->required();
   add_unit_option(*command, call->meshes);

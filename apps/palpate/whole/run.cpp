@@ -215,8 +215,8 @@ void run_project(const Settings& settings, RunProjectCall call) {
 
 void add_run(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<RunProjectCall>();
-  CLI::App* command = app.add_subcommand(
-      "run", "Run a project; redo only steps whose inputs have changed");
+  CLI::App* command =
+      app.add_subcommand("run", "Run a project; redo only steps whose inputs have changed");
   command
       ->add_option("PROJECT", call->project,
                    "Project file (project.yaml; docs/projects.md): a section for each step")

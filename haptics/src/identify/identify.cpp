@@ -245,13 +245,14 @@ Prediction predict_half_space(const HalfSpaceModel& model, const probing::Contac
 
 void visit(IdentifyOptions& options, FieldVisitor& visitor) {
   visitor.begin("IdentifyOptions");
-  visitor.real({"displacement_noise",
-                "Standard deviation of each component of a position; needs force_noise. Without "
-                "them, both are estimated from positions that were repeated",
-                "mm"},
-               options.displacement_noise, above(0).finite());
+  visitor.real(
+      {"displacement_noise",
+       "Standard deviation of each component of a position; give both noises or none. Without "
+       "them, both are estimated from positions that were repeated",
+       "mm"},
+      options.displacement_noise, above(0).finite());
   visitor.real({"force_noise",
-                "Standard deviation of each component of a force; needs displacement_noise", "N"},
+                "Standard deviation of each component of a force; give both noises or none", "N"},
                options.force_noise, at_least(0).finite());
   constexpr bool kExpert = true;
   visitor.real({"max_chi2",
