@@ -40,7 +40,7 @@ file(WRITE ${SCRATCH_DIR}/project/CMakeLists.txt
 "cmake_minimum_required(VERSION 3.25)
 project(consumer LANGUAGES CXX)
 set(PALPATE_COMPONENTS geometry)
-add_subdirectory(${SOURCE_DIR} palpate)
+add_subdirectory(\"${SOURCE_DIR}\" palpate)
 file(WRITE \${CMAKE_BINARY_DIR}/main.cpp \"int main() {}\")
 add_executable(consumer \${CMAKE_BINARY_DIR}/main.cpp)
 target_link_libraries(consumer PRIVATE palpate::geometry)
