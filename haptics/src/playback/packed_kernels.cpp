@@ -38,8 +38,11 @@ struct Vector4 {
   using Lane4 __attribute__((vector_size(32), may_alias)) = double;
 
   Vector4() = default;
-  PALPATE_INLINE Vector4(const Lane4& lanes) : of{lanes} {}       // NOLINT
-  PALPATE_INLINE Vector4(double all) : of{all, all, all, all} {}  // NOLINT
+  // Both convert without a word, as the numbers and the vectors of the compiler do.
+  // NOLINTBEGIN(google-explicit-constructor)
+  PALPATE_INLINE Vector4(const Lane4& lanes) : of{lanes} {}
+  PALPATE_INLINE Vector4(double all) : of{all, all, all, all} {}
+  // NOLINTEND(google-explicit-constructor)
   PALPATE_INLINE double operator[](int lane) const { return of[lane]; }
   PALPATE_INLINE void operator+=(const Vector4& other) { of += other.of; }
   PALPATE_INLINE void operator-=(const Vector4& other) { of -= other.of; }

@@ -22,7 +22,8 @@
 namespace palpate::sensing {
 namespace {
 
-/// Side of the tiles that surfaces are divided into: part of a period, but at least so many pixels.
+/// Side of the tiles that surfaces are divided into: this part of a period, at least kLeastTile
+/// [px].
 constexpr double kTilePart = 1.0 / 8;
 constexpr long kLeastTile = 4;
 /// Largest distance of an anchor from the region that takes it, as part of a period. So far, the
