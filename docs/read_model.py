@@ -7,7 +7,6 @@ rotation = lambda w, *v: np.eye(3) + 2 * (w * np.cross(np.eye(3), v) + np.outer(
 between = lambda a, b: rotation(1 + unit(a) @ unit(b), *np.cross(unit(a), unit(b)))  # the smallest that turns a into b
 log = lambda r: (r - r.T)[[2, 0, 1], [1, 2, 0]] / 2 / np.sinc(np.arccos(np.clip((np.trace(r) - 1) / 2, -1, 1)) / np.pi)
 matrix = lambda six: np.append(six, 0)[[[3, 4, 0], [4, 5, 1], [6, 6, 2]]]  # of a compliance: c and u, over 0, 0, u_z
-
 def closest(triangles, point):  # where a point of the surface lies: the triangle, and the barycentric coordinates in it
     starts, sides = np.roll(triangles, 2, 1), np.roll(triangles, 1, 1) - np.roll(triangles, 2, 1)  # opposite to the corners
     normal = np.cross(sides[:, 0], sides[:, 1])[:, None]
@@ -17,7 +16,6 @@ def closest(triangles, point):  # where a point of the surface lies: the triangl
     at = np.where(at[n, k][:, None] < 0, (1 - t) * np.eye(3)[k - 2] + t * np.eye(3)[k - 1], at)
     triangle = np.nanargmin(np.linalg.norm((at[:, :, None] * triangles).sum(1) - point, axis=1))
     return triangle, at[triangle]
-
 def local_force(contact, l):  # all in the local coordinates of the contact
     (weight, epsilon, *center), (ridge, offset, *slope) = (np.reshape(contact[kind], (-1, 5)).T for kind in ("bases", "ridges"))
     gradient = lambda x, s: x / np.sqrt((x * x).sum(0) + epsilon**2) @ weight + slope @ (s / np.hypot(s, 1) * ridge)
@@ -51,23 +49,25 @@ class Model:
         parts = self.weights(triangle, at)
         mean = lambda value, parts=parts: sum(w * value(c) for w, c in parts) / sum(w for w, c in parts)
         friction, axis = mean(lambda c: c["friction"]["coefficient"]), unit(mean(lambda c: unit(c["friction"]["axis"])))
-        if self.between["rule"] == "forces":
-            frame = parts[0][1]["frame"]
+        key = {"forces": "strength", "compliances": "compliance"}[self.between["rule"]]
+        if known := [(w, c) for w, c in parts if key in c]:
+            middle, place = mean(lambda c: np.array(c["position"]), known), at @ self.triangles[triangle]
+            beyond = (place - middle) * min(1, self.between["reach"] / (np.linalg.norm(place - middle) or 1))
+        def change_by(c, axes):  # what the trend of the contact adds at the point
+            u, v = (middle - c["position"]) @ axes[:, :2], beyond @ axes[:, :2]
+            s = np.outer(u, u) / 6 + np.outer(u, v) + np.outer(v, v) / 2
+            return [*(2 / 3 * u + v), s[0, 0], s[0, 1] + s[1, 0], s[1, 1]] @ np.array(c[key]["trend"])
+        if key == "strength":
+            frame, strength = parts[0][1]["frame"], sum(w * c[key]["value"] for w, c in known)
             for _ in range(20): frame = frame @ rotation(2, *mean(lambda c: log(frame.T @ c["frame"])))
-            return frame @ mean(lambda c: local_force(c, frame.T @ displacement)), friction, frame[:, 2], axis
+            change = sum(w * change_by(c, c["frame"]) for w, c in known) / strength if strength else 0
+            scaled = lambda c: (1 + np.clip(change, -0.75, 0.75)) * local_force(c, frame.T @ displacement)
+            return frame @ mean(scaled), friction, frame[:, 2], axis
         frame, here = between([0, 0, 1], mean(lambda c: c["pressing"][:, 2])), np.eye(3)
         turn = lambda c: frame.T @ between(c["pressing"][:, 2], frame[:, 2]) @ c["pressing"]
-        own = lambda c: turn(c) @ matrix(c["compliance"]["values"]) @ turn(c).T if "compliance" in c else here
-        if known := [(w, c) for w, c in parts if "compliance" in c]:
-            middle = mean(lambda c: np.array(c["position"]), known)
-            beyond = at @ self.triangles[triangle] - middle
-            beyond *= min(1, self.between["reach"] / (np.linalg.norm(beyond) or 1))
-            def change_by(c):
-                u, v = (middle - c["position"]) @ c["pressing"][:, :2], beyond @ c["pressing"][:, :2]
-                second = np.outer(u, u) / 6 + np.outer(u, v) + np.outer(v, v) / 2
-                step = [*(2 / 3 * u + v), second[0, 0], second[0, 1] + second[1, 0], second[1, 1]]
-                return turn(c) @ matrix(step @ np.array(c["compliance"]["trend"])) @ turn(c).T
-            here, change = mean(own, known), mean(change_by, known)
+        own = lambda c: turn(c) @ matrix(c[key]["values"]) @ turn(c).T if key in c else here
+        if known:
+            here, change = mean(own, known), mean(lambda c: turn(c) @ matrix(change_by(c, c["pressing"])) @ turn(c).T, known)
             size = abs(np.trace(np.linalg.matrix_power(np.linalg.solve(here[:2, :2], change[:2, :2]), 2))) ** 0.5
             here = here + change * 0.75 / max(0.75, abs(change[2, 2]) / here[2, 2], size)
         def force_by(c):

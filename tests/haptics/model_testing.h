@@ -50,6 +50,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
     EXPECT_EQ(l.noise_floor, r.noise_floor);
     EXPECT_EQ(l.condition, r.condition);
     EXPECT_EQ(l.compliance, r.compliance);
+    EXPECT_EQ(l.strength, r.strength);
     EXPECT_EQ(l.uncertainty, r.uncertainty);
   }
 }

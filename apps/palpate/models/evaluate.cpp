@@ -201,7 +201,7 @@ void add_evaluate(CLI::App& app, const Settings& settings) {
                       "Also draw the errors of --leave-one-out on the surface (PNG)");
   command->footer(
       "RMS is the root of the mean squared length of the error vector, in N. With --leave-one-out, "
-      "it is compared with the error that kriging of the neighbours' compliances expects, and with "
+      "it is compared with the error that kriging of the neighbours expects, and with "
       "the disagreement of the neighbours' forces. A contact at the border has neighbours on one "
       "side only. Offsets of contacts that were only pressed were estimated with all of them. "
       "Stated errors are what the model itself expects at each query or sample "

@@ -29,6 +29,7 @@
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/contact_strength.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
@@ -97,14 +98,13 @@ void choose_frames(Model& model) {
   }
 }
 
-// The lower quartile, over the contacts, of the largest force along the z axis.
-double reference_force(const std::vector<ForceSamples>& samples, const Model& model) {
+// The lower quartile, over the contacts, of the largest force or displacement along the z axis:
+// what most contacts were measured to.
+double reference(const std::vector<ForceSamples>& samples,
+                 Eigen::Matrix3Xd ForceSamples::*vectors) {
   std::vector<double> largest;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Eigen::Vector3d pressing =
-        model.T_surface_acquisition.linear().transpose() * model.contacts[i].frame.col(2);
-    largest.push_back((pressing.transpose() * samples[i].forces).maxCoeff());
-  }
+  for (const ForceSamples& of_contact : samples)
+    largest.push_back((of_contact.*vectors).row(2).maxCoeff());
   const auto quartile = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 4);
   std::ranges::nth_element(largest, quartile);
   return *quartile;
@@ -227,6 +227,7 @@ void fit_friction(const Probed& probed, const std::vector<ForceSamples>& samples
 struct FittedContacts {
   std::vector<ForceSamples> samples;  ///< in the local frames of the contacts
   double reference_force = 0;         ///< [N]
+  double reference_depth = 0;         ///< [mm]
 };
 
 // Fits friction and field of every contact.
@@ -241,8 +242,9 @@ FittedContacts fit_contacts(const Probed& probed, const BuildOptions& options,
   result.rate = std::move(pairs.rate);
   fit_friction(probed, pairs.samples, with, options, result);
   FittedContacts fitted{.samples = std::move(pairs.samples)};
-  fitted.reference_force = reference_force(fitted.samples, result.model);
   turn_into_local_frames(fitted.samples, result.model);
+  fitted.reference_force = reference(fitted.samples, &ForceSamples::forces);
+  fitted.reference_depth = reference(fitted.samples, &ForceSamples::displacements);
   if (result.pressing)
     take_pressing(fitted.samples, with.fit, result);
   else
@@ -263,17 +265,17 @@ std::vector<ForceSamples> with_expected_touches(std::vector<ForceSamples> sample
   return samples;
 }
 
-// The rule whose predictions are better; `forces` needs no compliances. Errors of both that differ
-// by less than a twentieth do, by chance, for objects that are the same everywhere.
-void choose_rule(const std::vector<ForceSamples>& samples, BuildResult& result) {
-  result.rule_errors = left_out_errors_of_rules(
-      result.model, samples, result.pressing ? Compared::along_pressing : Compared::whole_forces);
+// Takes the model by forces if its predictions are better. Errors of both that differ by less than
+// a twentieth do, by chance, for objects that are the same everywhere.
+void choose_rule(const std::vector<ForceSamples>& samples, Model by_forces, BuildResult& result) {
+  result.rule_errors =
+      left_out_errors_of_rules(result.model, by_forces, samples,
+                               result.pressing ? Compared::along_pressing : Compared::whole_forces);
   constexpr double kClearlyBetter = 0.95;
   if (!result.rule_errors ||
       result.rule_errors->forces >= kClearlyBetter * result.rule_errors->compliances)
     return;
-  result.model.interpolation = {};
-  for (ContactModel& contact : result.model.contacts) contact.compliance.reset();
+  result.model = std::move(by_forces);
 }
 
 // \param pressed no sample has a tangential stage: lower bounds then come from what is beside the
@@ -388,13 +390,16 @@ Built build_with(const probing::CheckedAcquisition& acquisition,
                           .dot(there.linear() * contacts[i].normal.normalized()));
   }
   const Probed found{acquisition, std::move(source), std::move(heights)};
-  const auto [samples, pressed] = fit_contacts(found, options, result);
+  const auto [samples, pressed, depth] = fit_contacts(found, options, result);
   fill_in_friction(result.pressing.has_value(), result.model);
   const std::vector<ForceSamples> predicted =
       result.pressing ? with_expected_touches(samples, found.heights, *result.pressing) : samples;
+  Model by_forces = depth > 0 ? with_strengths(result.model, depth) : result.model;
   if (options.blend_rule != BlendRule::forces && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
-    if (!options.blend_rule) choose_rule(predicted, result);
+    if (!options.blend_rule) choose_rule(predicted, std::move(by_forces), result);
+  } else {
+    result.model = std::move(by_forces);
   }
   const MeasurementNoise noise = *result.model.noise;
   result.model = with_uncertainty(std::move(result.model), samples, noise);

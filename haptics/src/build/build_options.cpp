@@ -39,7 +39,8 @@ void visit(BuildOptions& options, FieldVisitor& visitor) {
                  options.fit.mode, kModes);
   visitor.choice({"blend",
                   "How forces between contacts are found: forces, at the same displacement "
-                  "(thesis 5.3.2); compliances, forces at displacements that match the compliance "
+                  "(thesis 5.3.2), scaled to the strength of the point; compliances, forces at "
+                  "displacements that match the compliance "
                   "of the point; auto, what predicts contacts better from those around them"},
                  options.blend_rule, kRules);
   visitor.real({"force_noise",

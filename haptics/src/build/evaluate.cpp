@@ -109,10 +109,11 @@ ForceSamples samples_of(const ContactModel& contact, const Model& model,
 }
 
 // [N] Standard deviation of the normal force at the reference displacement at a place.
-std::optional<double> expected_error(const BlendedField& field, const Blend& at,
+std::optional<double> expected_error(const BlendedField& field, BlendRule rule, const Blend& at,
                                      const Surroundings& around, const Covariance& covariance) {
   if (around.contacts.empty()) return std::nullopt;
   const KrigingPrediction predicted = predict_compliance(around, covariance);
+  if (rule == BlendRule::forces) return covariance.amplitude(2) * std::sqrt(predicted.variance);
   const Eigen::Vector3d displacement = at.field_frame * predicted.value.head<3>();
   const Eigen::Vector3d step = kStepRatio * predicted.value(2) * at.field_frame.col(2);
   const double change =
@@ -243,7 +244,8 @@ std::vector<SuggestedContact> suggest_contacts(const Model& model, const Complia
                                 at.contacts.contacts.begin() + at.contacts.count);
     const Surroundings around =
         surroundings(model, kriging.neighbours, from, place, at.field_frame, -1);
-    const std::optional<double> error = expected_error(field, at, around, kriging.covariance);
+    const std::optional<double> error =
+        expected_error(field, model.interpolation.rule, at, around, kriging.covariance);
     candidates[i] = {place, scale * error.value_or(0)};
   });
   std::erase_if(candidates, [](const SuggestedContact& c) { return !(c.expected > 0); });
@@ -348,8 +350,7 @@ LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition&
     samples.push_back(samples_of(contact, model, acquisition, query));
     points.push_back(query.closest_point(contact.position).at);
   }
-  const bool by_compliance = model.interpolation.rule == BlendRule::compliances;
-  const ComplianceKriging kriging = by_compliance ? learn_kriging(model) : ComplianceKriging{};
+  const ComplianceKriging kriging = learn_kriging(model);
   std::vector<bool> at_border = border_contacts(model);
   const LeftOutModels left_out(model, points);
   LeaveOneOut result;
@@ -364,13 +365,11 @@ LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition&
     error = predict_contact(field, at, contact.position, model.noise, samples[i]);
     error.contact = contact.id;
     error.at_border = at_border[i];
-    if (by_compliance) {
-      const auto index = static_cast<int>(i);
-      error.expected = expected_error(
-          field, at,
-          surroundings(model, kriging.neighbours, {index}, contact.position, at.field_frame, index),
-          kriging.covariance);
-    }
+    const auto index = static_cast<int>(i);
+    error.expected = expected_error(
+        field, model.interpolation.rule, at,
+        surroundings(model, kriging.neighbours, {index}, contact.position, at.field_frame, index),
+        kriging.covariance);
     if (!options.progress) return;
     const std::lock_guard lock(reporting);
     options.progress(++done, static_cast<int>(model.contacts.size()));
@@ -380,7 +379,7 @@ LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition&
   result.stated = pooled_stated(result.per_contact);
   at_border.flip();
   result.interior_rms = pooled_rms(result.per_contact, at_border);
-  if (by_compliance && options.suggestions > 0) {
+  if (options.suggestions > 0) {
     result.suggested = suggest_contacts(model, kriging, expectation_scale(result.per_contact),
                                         options.suggestions);
   }

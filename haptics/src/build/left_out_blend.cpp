@@ -7,6 +7,7 @@
 #include <array>
 #include <limits>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "model/field_warp.h"
@@ -87,75 +88,96 @@ std::vector<int> contacts_around(const Model& model,
   return result;
 }
 
+Surroundings without(const Surroundings& around, int contact) {
+  Surroundings rest;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t j = 0; j < around.contacts.size(); ++j) {
+    if (around.contacts[j] == contact) continue;
+    rest.contacts.push_back(around.contacts[j]);
+    kept.push_back(static_cast<Eigen::Index>(j));
+  }
+  rest.places = around.places(Eigen::all, kept);
+  rest.values = around.values(Eigen::all, kept);
+  return rest;
+}
+
 }  // namespace
 
-LeftOutBlends::LeftOutBlends(const Model& model, BlendRule rule)
-    : model_(model), rule_(rule), known_(model.contacts.size(), -1) {
-  if (rule == BlendRule::compliances) {
-    kriging_ = learn_kriging(model);
-    neighbours_ = kriging_.neighbours;
-    for (std::size_t k = 0; k < kriging_.known.size(); ++k)
-      known_[static_cast<std::size_t>(kriging_.known[k])] = static_cast<int>(k);
-  } else {
-    neighbours_ = contact_neighbours(model);
-  }
+LeftOutBlends::LeftOutBlends(const Model& model)
+    : model_(model), kriging_(learn_kriging(model)), known_(model.contacts.size(), -1) {
+  for (std::size_t k = 0; k < kriging_.known.size(); ++k)
+    known_[static_cast<std::size_t>(kriging_.known[k])] = static_cast<int>(k);
+}
+
+ContactModel LeftOutBlends::corner_without(int corner, std::size_t contact) const {
+  const ContactModel& from = model_.contacts[static_cast<std::size_t>(corner)];
+  ContactModel result;
+  result.position = from.position;
+  result.frame = from.frame;
+  result.compliance = from.compliance;
+  result.strength = from.strength;
+  const int known = known_[static_cast<std::size_t>(corner)];
+  if (known < 0) return result;
+  const BlendRule rule = model_.interpolation.rule;
+  const Eigen::Matrix<double, 6, 5> trend = kriging_trend(
+      without(kriging_.around[static_cast<std::size_t>(known)], static_cast<int>(contact)),
+      *kriged_value(from, rule), kriging_.covariance);
+  if (rule == BlendRule::compliances)
+    result.compliance->trend = trend;
+  else
+    result.strength->trend = trend.row(2);
+  return result;
 }
 
 std::optional<Blend> LeftOutBlends::at(std::size_t contact) const {
-  const bool by_compliance = rule_ == BlendRule::compliances;
-  const std::vector<int> around = contacts_around(model_, neighbours_, contact);
+  const BlendRule rule = model_.interpolation.rule;
+  const std::vector<int> around = contacts_around(model_, kriging_.neighbours, contact);
   if (around.empty()) return std::nullopt;
   const ContactModel& self = model_.contacts[contact];
-  Blend result;
-  result.field_frame = by_compliance ? pressing_frame(self) : self.frame;
+  const Eigen::Matrix3d own_frame = kriged_frame(self, rule);
   Eigen::Matrix2Xd places(2, static_cast<Eigen::Index>(around.size()));
   for (std::size_t k = 0; k < around.size(); ++k) {
     const Eigen::Vector3d off =
         model_.contacts[static_cast<std::size_t>(around[k])].position - self.position;
-    places.col(static_cast<Eigen::Index>(k)) = result.field_frame.leftCols<2>().transpose() * off;
+    places.col(static_cast<Eigen::Index>(k)) = own_frame.leftCols<2>().transpose() * off;
   }
   const Weighted weighted = delaunay_weights(places);
+  const auto count = static_cast<std::size_t>(weighted.count);
+  Blend result;
   result.contacts.count = weighted.count;
-  std::array<Eigen::Matrix3d, 3> frames;
-  Compliance mean = Compliance::Zero();
-  double known = 0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(weighted.count); ++k) {
+  std::vector<ContactModel> corners;
+  std::vector<Eigen::Matrix3d> frames;
+  bool any = false;
+  for (std::size_t k = 0; k < count; ++k) {
     const int index = around[static_cast<std::size_t>(weighted.corners[k])];
-    const ContactModel& corner = model_.contacts[static_cast<std::size_t>(index)];
     result.contacts.contacts[k] = index;
     result.contacts.weights[k] = weighted.weights[k];
-    frames[k] = by_compliance ? pressing_frame(corner) : corner.frame;
-    if (!by_compliance || !corner.compliance) continue;
-    known += weighted.weights[k];
-    mean += weighted.weights[k] *
-            turned(corner.compliance->values, turn_between(frames[k], result.field_frame));
+    corners.push_back(corner_without(index, contact));
+    frames.push_back(kriged_frame(corners.back(), rule));
+    any = any || (weighted.weights[k] > 0 && corners.back().compliance);
   }
-  if (!by_compliance) {
-    const auto count = static_cast<std::size_t>(weighted.count);
-    result.field_frame =
-        blend_rotations(std::span(frames).first(count), std::span(weighted.weights).first(count));
+  const std::array<int, 3> all{0, 1, 2};
+  const std::span indices = std::span(all).first(count);
+  const std::span weights = std::span(weighted.weights).first(count);
+  const double reach = model_.interpolation.reach;
+  if (rule == BlendRule::forces) {
+    result.field_frame = blend_rotations(frames, weights);
+    const double factor = strength_factor(corners, indices, weights, self.position, reach);
+    for (std::size_t k = 0; k < count; ++k) result.warps[k].energy = factor;
     return result;
   }
-  Compliance here = Compliance::Zero();
-  if (known > 0) {
-    mean /= known;
-    here = mean;
-    if (known_[contact] >= 0) {
-      const KrigingPrediction predicted = predict_compliance(
-          kriging_.around[static_cast<std::size_t>(known_[contact])], kriging_.covariance);
-      here = limited(mean, predicted.value - mean);
+  result.field_frame = own_frame;
+  Compliance here;
+  if (any)
+    here = compliance_between(corners, frames, indices, weights, self.position, own_frame, reach);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (corners[k].compliance && any) {
+      const Eigen::Matrix2d turn = turn_between(frames[k], own_frame);
+      result.warps[k] = warp_between(turned(corners[k].compliance->values, turn), here);
     }
-  }
-  for (std::size_t k = 0; k < static_cast<std::size_t>(weighted.count); ++k) {
-    const ContactModel& corner =
-        model_.contacts[static_cast<std::size_t>(result.contacts.contacts[k])];
-    if (corner.compliance && known > 0) {
-      const Eigen::Matrix2d turn = turn_between(frames[k], result.field_frame);
-      result.warps[k] = warp_between(turned(corner.compliance->values, turn), here);
-    }
-    const Eigen::Matrix3d carry = rotation_between(frames[k].col(2), result.field_frame.col(2));
+    const Eigen::Matrix3d carry = rotation_between(frames[k].col(2), own_frame.col(2));
     result.warps[k].displacement =
-        (carry * corner.frame).transpose() * result.field_frame * result.warps[k].displacement;
+        (carry * corners[k].frame).transpose() * own_frame * result.warps[k].displacement;
   }
   return result;
 }

@@ -11,13 +11,13 @@
 
 namespace palpate::haptics {
 
-/// What predicts the contacts of a model from those around them, in a time that does not depend on
-/// the number of contacts: without another triangulation, and with the covariance of compliances
-/// that all contacts together show.
+/// What predicts the contacts of a model from those around them as the model would without them, in
+/// a time that does not depend on the number of contacts: without another triangulation, and with
+/// the covariance that all contacts together show.
 class LeftOutBlends {
  public:
-  /// \param model must outlive this; with `compliances`, its contacts have theirs.
-  LeftOutBlends(const Model& model, BlendRule rule);
+  /// \param model must outlive this.
+  explicit LeftOutBlends(const Model& model);
 
   /// The blend at a contact as the others give it: of the corners of their Delaunay triangle around
   /// it, in its tangent plane; at the border, of the nearest edge or contact. Nothing if there are
@@ -25,13 +25,16 @@ class LeftOutBlends {
   [[nodiscard]] std::optional<Blend> at(std::size_t contact) const;
 
   /// For each contact, those around it.
-  [[nodiscard]] const std::vector<std::vector<int>>& neighbours() const { return neighbours_; }
+  [[nodiscard]] const std::vector<std::vector<int>>& neighbours() const {
+    return kriging_.neighbours;
+  }
 
  private:
+  // What counts of a corner, with the trend that it has without the contact.
+  [[nodiscard]] ContactModel corner_without(int corner, std::size_t contact) const;
+
   const Model& model_;
-  BlendRule rule_;
-  ComplianceKriging kriging_;  // with `compliances`
-  std::vector<std::vector<int>> neighbours_;
+  ComplianceKriging kriging_;
   std::vector<int> known_;  // index in `kriging_` of each contact, or -1
 };
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "build/interpolated_as.h"
 #include "palpate/core/error.h"
-#include "palpate/haptics/contact_compliance.h"
 
 namespace palpate::haptics {
 
@@ -35,9 +35,7 @@ Model LeftOutModels::without(std::size_t contact) const {
   rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(contact));
   rest.triangles = std::move(triangulation.mesh.triangles);
   rest.surface_weights = std::move(triangulation.weights);
-  if (rest.interpolation.rule == BlendRule::compliances)
-    rest = with_compliances(std::move(rest), model_.interpolation.reference_force);
-  return rest;
+  return interpolated_as(std::move(rest), model_.interpolation);
 }
 
 std::vector<bool> border_contacts(const Model& model) {

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "build/align_frames.h"
+#include "build/interpolated_as.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -24,7 +25,6 @@
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/zipper_scans.h"
-#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
@@ -289,15 +289,19 @@ void take_rate(std::span<const SideModel> sides, Model& merged) {
     merged.made["rate"] = "left out, because it differs between the models";
 }
 
-// The least reference force of the sides that blend compliances; nullopt if none does.
-std::optional<double> reference_force(std::span<const SideModel> sides) {
-  std::optional<double> least;
+// The least of two reference values, of which 0 is none.
+double least_known(double a, double b) { return a > 0 && b > 0 ? std::min(a, b) : std::max(a, b); }
+
+// Compliances if a side blends them, with the least reference values of the sides.
+Interpolation interpolation_of(std::span<const SideModel> sides) {
+  Interpolation result;
   for (const SideModel& side : sides) {
     const Interpolation& given = side.model.interpolation;
-    if (given.rule != BlendRule::compliances) continue;
-    least = std::min(given.reference_force, least.value_or(given.reference_force));
+    if (given.rule == BlendRule::compliances) result.rule = given.rule;
+    result.reference_force = least_known(result.reference_force, given.reference_force);
+    result.reference_depth = least_known(result.reference_depth, given.reference_depth);
   }
-  return least;
+  return result;
 }
 
 // Of all sides, if they were measured with equal balls.
@@ -386,8 +390,7 @@ MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOpti
   refer_friction(sides, merged);
   for (ContactModel& contact : merged.model.contacts) contact = rounded(std::move(contact));
   merged.model.probe_radius = probe_radius(sides);
-  if (const std::optional<double> force = reference_force(sides))
-    merged.model = with_compliances(std::move(merged.model), *force);
+  merged.model = interpolated_as(std::move(merged.model), interpolation_of(sides));
   tell_origin(sides, poses, options, merged);
   return merged;
 }

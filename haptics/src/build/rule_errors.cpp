@@ -15,7 +15,7 @@ namespace {
 // Squared errors of each contact; NaN where it cannot be predicted.
 std::vector<double> left_out_squares_of(const Model& model, std::span<const ForceSamples> samples,
                                         Compared compared) {
-  const LeftOutBlends blends(model, model.interpolation.rule);
+  const LeftOutBlends blends(model);
   const BlendedField field(model);
   std::vector<double> squares(samples.size(), std::numeric_limits<double>::quiet_NaN());
   parallel_for(samples.size(), [&](std::size_t i) {
@@ -47,12 +47,11 @@ double left_out_pressing_error(const Model& model, std::span<const ForceSamples>
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
-std::optional<RuleErrors> left_out_errors_of_rules(const Model& model,
+std::optional<RuleErrors> left_out_errors_of_rules(const Model& by_compliances,
+                                                   const Model& by_forces,
                                                    std::span<const ForceSamples> samples,
                                                    Compared compared) {
-  Model by_forces = model;
-  by_forces.interpolation = {};
-  const std::vector<double> compliances = left_out_squares_of(model, samples, compared),
+  const std::vector<double> compliances = left_out_squares_of(by_compliances, samples, compared),
                             forces = left_out_squares_of(by_forces, samples, compared);
   RuleErrors sums;
   double count = 0;

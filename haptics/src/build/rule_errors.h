@@ -15,9 +15,10 @@ enum class Compared { whole_forces, along_pressing };
 
 /// How well each rule predicts the samples of contacts from those around them; in a time that grows
 /// with the number of contacts only. Nothing if no contact has others around it.
-/// \param model with compliances. \param samples of each contact, in its local frame.
+/// \param by_compliances, by_forces the same contacts, with compliances and with strengths.
+/// \param samples of each contact, in its local frame.
 [[nodiscard]] std::optional<RuleErrors> left_out_errors_of_rules(
-    const Model& model, std::span<const ForceSamples> samples,
+    const Model& by_compliances, const Model& by_forces, std::span<const ForceSamples> samples,
     Compared compared = Compared::whole_forces);
 
 /// [N] The same along the pressing, by the rule of the model; 0 if no contact has others around it.

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "build/forget_samples.h"
+#include "build/interpolated_as.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/mesh_measures.h"
-#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/passivity_certificate.h"
 #include "palpate/haptics/rotation.h"
@@ -133,9 +133,9 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   scaled.surface.vertices = moved(model.surface.vertices);
   forget_samples(scaled);
   scaled.response = scaled_response(std::move(scaled.response), options);
-  const bool compliances = model.interpolation.rule == BlendRule::compliances;
   std::optional<double> largest_force;
-  if (compliances) largest_force = model.interpolation.reference_force;
+  if (model.interpolation.rule == BlendRule::compliances)
+    largest_force = model.interpolation.reference_force;
   const double size = geometry::bounding_diagonal(scaled.surface);
   std::vector<TransformedField> fields(scaled.contacts.size());
   parallel_for(scaled.contacts.size(), [&](std::size_t i) {
@@ -159,10 +159,10 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   const double factor =
       options.forces == ForceScaling::material ? std::pow(S.determinant(), 2.0 / 3) : 1;
   scaled.friction_force *= factor;
-  if (compliances) {
-    const double pressed = factor * scaled.interpolation.reference_force;
-    scaled = with_compliances(std::move(scaled), pressed);
-  }
+  Interpolation as = scaled.interpolation;
+  as.reference_force *= factor;
+  if (options.forces != ForceScaling::feel) as.reference_depth *= std::cbrt(S.determinant());
+  scaled = interpolated_as(std::move(scaled), as);
   return result;
 }
 

@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "build/forget_samples.h"
+#include "build/interpolated_as.h"
 #include "build/surface_refinement.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
@@ -101,10 +101,10 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   // With `material`, the forces of pressing scale with the object.
   const double factor = options.forces == ForceScaling::material ? map.scale * map.scale : 1;
   result.model.friction_force *= factor;
-  if (result.model.interpolation.rule == BlendRule::compliances) {
-    const double force = factor * result.model.interpolation.reference_force;
-    result.model = with_compliances(std::move(result.model), force);
-  }
+  Interpolation as = result.model.interpolation;
+  as.reference_force *= factor;
+  if (options.forces != ForceScaling::feel) as.reference_depth *= map.scale;
+  result.model = interpolated_as(std::move(result.model), as);
   return result;
 }
 

@@ -139,7 +139,7 @@ Model with_uncertainty(Model model, std::span<const ForceSamples> samples,
                        const MeasurementNoise& noise) {
   model.noise = MeasurementNoise{round_to_digits(noise.force, kNoiseDigits),
                                  round_to_digits(noise.displacement, kNoiseDigits)};
-  const LeftOutBlends blends(model, model.interpolation.rule);
+  const LeftOutBlends blends(model);
   const BlendedField field(model);
   std::vector<std::optional<LeftOutErrors>> errors(model.contacts.size());
   parallel_for(model.contacts.size(), [&](std::size_t i) {

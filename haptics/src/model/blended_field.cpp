@@ -83,7 +83,14 @@ Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept 
   // The axes of neighbours cancel only if they are opposite.
   result.friction_axis = axis.norm() > 0 ? Eigen::Vector3d(axis.normalized()) : result.frame.col(2);
   result.field_frame = result.frame;
-  if (by_compliance) warp_fields(contact, result);
+  if (by_compliance) {
+    warp_fields(contact, result);
+  } else {
+    const std::span<const int> indices(result.contacts.contacts.data(), count);
+    const double factor = strength_factor(contacts_, indices, weights,
+                                          geometry::position(mesh_, contact), interpolation_.reach);
+    for (std::size_t k = 0; k < count; ++k) result.warps[k].energy = factor;
+  }
   return result;
 }
 

@@ -142,6 +142,21 @@ double fit_amplitudes(const std::vector<Surroundings>& around,
 
 }  // namespace
 
+std::optional<Compliance> kriged_value(const ContactModel& contact, BlendRule rule) {
+  if (rule == BlendRule::compliances) {
+    if (!contact.compliance) return std::nullopt;
+    return contact.compliance->values;
+  }
+  if (!contact.strength) return std::nullopt;
+  Compliance value;
+  value << 0, 0, contact.strength->value, 1, 0, 1;
+  return value;
+}
+
+Eigen::Matrix3d kriged_frame(const ContactModel& contact, BlendRule rule) {
+  return rule == BlendRule::compliances ? pressing_frame(contact) : contact.frame;
+}
+
 std::vector<std::vector<int>> contact_neighbours(const Model& model) {
   std::vector<std::set<int>> sets(model.contacts.size());
   const auto join = [&](const Eigen::Vector3i& group) {
@@ -175,7 +190,7 @@ Surroundings surroundings(const Model& model, const std::vector<std::vector<int>
   std::vector<std::pair<double, int>> nearest;
   for (const int contact : found) {
     const ContactModel& other = model.contacts[static_cast<std::size_t>(contact)];
-    if (contact == excluded || !other.compliance) continue;
+    if (contact == excluded || !kriged_value(other, model.interpolation.rule)) continue;
     nearest.emplace_back((other.position - place).norm(), contact);
   }
   std::ranges::sort(nearest);
@@ -189,8 +204,9 @@ Surroundings surroundings(const Model& model, const std::vector<std::vector<int>
     const ContactModel& other = model.contacts[static_cast<std::size_t>(contact)];
     result.contacts.push_back(contact);
     result.places.col(j) = frame.leftCols<2>().transpose() * (other.position - place);
+    const BlendRule rule = model.interpolation.rule;
     result.values.col(j) =
-        turned(other.compliance->values, turn_between(pressing_frame(other), frame));
+        turned(*kriged_value(other, rule), turn_between(kriged_frame(other, rule), frame));
   }
   return result;
 }
@@ -280,16 +296,17 @@ ComplianceKriging learn_kriging(const Model& model) {
   std::vector<double> distances;
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     const ContactModel& contact = model.contacts[i];
-    if (!contact.compliance) continue;
+    const std::optional<Compliance> value = kriged_value(contact, model.interpolation.rule);
+    if (!value) continue;
     const auto index = static_cast<int>(i);
     Surroundings found = surroundings(model, result.neighbours, {index}, contact.position,
-                                      pressing_frame(contact), index);
+                                      kriged_frame(contact, model.interpolation.rule), index);
     if (found.contacts.empty()) continue;
     const ContactModel& nearest = model.contacts[static_cast<std::size_t>(found.contacts.front())];
     distances.push_back((nearest.position - contact.position).norm());
     result.known.push_back(index);
     result.around.push_back(std::move(found));
-    values.push_back(contact.compliance->values);
+    values.push_back(*value);
   }
   if (result.known.empty()) return result;
   result.spacing = geometry::median(std::move(distances));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "model/field_warp.h"
@@ -10,11 +11,17 @@
 
 namespace palpate::haptics {
 
-/// Contacts with a compliance around a place.
+/// What is kriged: with the rule `compliances`, the compliances of contacts, in their pressing
+/// frames. With `forces` their strengths, in their local frames, as compliances of which only u_z
+/// varies.
+[[nodiscard]] std::optional<Compliance> kriged_value(const ContactModel& contact, BlendRule rule);
+[[nodiscard]] Eigen::Matrix3d kriged_frame(const ContactModel& contact, BlendRule rule);
+
+/// Contacts with a known value around a place.
 struct Surroundings {
   std::vector<int> contacts;
   Eigen::Matrix2Xd places;  ///< [mm] relative to the place, along its frame's x and y axes
-  /// Compliances of the contacts, rotated into the place's frame (`turn_between`).
+  /// Values of the contacts, rotated into the place's frame (`turn_between`).
   Eigen::Matrix<double, 6, Eigen::Dynamic> values;
 };
 
@@ -22,8 +29,8 @@ struct Surroundings {
 /// weights with it, ascending.
 [[nodiscard]] std::vector<std::vector<int>> contact_neighbours(const Model& model);
 
-/// Up to kMaxSurroundings contacts with a compliance: the nearest of those given, their neighbours,
-/// and the neighbours of these. `excluded` (or -1) is left out.
+/// Up to kMaxSurroundings contacts with a value for the model's rule: the nearest of those given,
+/// their neighbours, and the neighbours of these. `excluded` (or -1) is left out.
 [[nodiscard]] Surroundings surroundings(const Model& model,
                                         const std::vector<std::vector<int>>& neighbours,
                                         std::vector<int> from, const Eigen::Vector3d& place,
@@ -43,11 +50,11 @@ struct Covariance {
 [[nodiscard]] Covariance learn_covariance(const std::vector<Surroundings>& around,
                                           const std::vector<Compliance>& values, double spacing);
 
-/// Data for kriging a model's compliances along its surface.
+/// Data for kriging along a model's surface what its rule needs.
 struct ComplianceKriging {
   std::vector<std::vector<int>> neighbours;  ///< of each contact
-  std::vector<int> known;            ///< contacts with a compliance that have others around them
-  std::vector<Surroundings> around;  ///< of each of `known`
+  std::vector<int> known;                    ///< contacts with a value that have others around them
+  std::vector<Surroundings> around;          ///< of each of `known`
   double spacing = 0;  ///< [mm] median distance of those to the nearest one; 0 if none
   Covariance covariance;
 };
@@ -60,6 +67,11 @@ struct KrigingPrediction {
 /// Predicts the compliance at the centre of `around`. Precondition: at least one contact.
 [[nodiscard]] KrigingPrediction predict_compliance(const Surroundings& around,
                                                    const Covariance& covariance);
+
+/// Precision of stored derivatives: a trend is only an estimate.
+inline constexpr int kTrendDigits = 5;
+/// Reach of a trend relative to the spacing of contacts; further out a trend is meaningless.
+inline constexpr double kReachRatio = 2;
 
 /// Derivatives of the kriging of `around`, including the value at the place itself: 6 x 5 as in
 /// `ContactCompliance`; zero without contacts around.

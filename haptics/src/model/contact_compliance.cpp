@@ -24,11 +24,7 @@ constexpr double kSufficientDecrease = 1e-4;
 constexpr double kShortestStep = 1e-9;
 // A stiffness counts as positive definite with eigenvalues above this times its norm.
 constexpr double kPositiveDefinite = 1e-9;
-// Precision of stored values: a trend is only an estimate, a direction keeps `kFrameTolerance`.
-constexpr int kTrendDigits = 5;
-constexpr int kDirectionPlaces = 10;
-// Reach of a trend relative to the spacing of contacts; further out a trend is meaningless.
-constexpr double kReachRatio = 2;
+constexpr int kDirectionPlaces = 10;  // keeps `kFrameTolerance`
 
 // Minimises the energy minus the work of `load`, starting from zero; nullopt if no minimum is found
 // within `limit`.
@@ -121,8 +117,9 @@ Model with_compliances(Model model, double reference_force) {
     ContactModel& contact = model.contacts[i];
     const Eigen::Vector3d direction = (contact.frame.transpose() * normals[i]).normalized();
     contact.compliance = measure(contact.field, direction, reference_force, limit);
+    contact.strength.reset();
   });
-  model.interpolation = {BlendRule::compliances, reference_force, 0};
+  model.interpolation = {.rule = BlendRule::compliances, .reference_force = reference_force};
 
   const ComplianceKriging kriging = learn_kriging(model);
   model.interpolation.reach = kReachRatio * kriging.spacing;

@@ -101,6 +101,12 @@ ContactCompliance to_compliance(const Node& node) {
   return compliance;
 }
 
+ContactStrength to_strength(const Node& node) {
+  ContactStrength strength{.value = node.at("value").number_at_least_zero()};
+  node.at("trend").read({strength.trend.data(), 5}, "five numbers");
+  return strength;
+}
+
 double load_exponent_of(const Node& node) {
   const double exponent = node.number();
   if (!(std::abs(exponent) <= kLargestLoadExponent)) node.refuse("a number from -0.5 to 0.5");
@@ -122,6 +128,7 @@ ContactModel to_contact(const Node& node) {
   contact.field = read_field(node);
   if (const auto compliance = node.find("compliance"))
     contact.compliance = to_compliance(*compliance);
+  if (const auto strength = node.find("strength")) contact.strength = to_strength(*strength);
   if (const auto uncertainty = node.find("uncertainty"))
     contact.uncertainty = to_uncertainty(*uncertainty);
   const Node friction = node.at("friction"), fit = node.at("fit");
@@ -146,8 +153,13 @@ ContactModel to_contact(const Node& node) {
 
 Interpolation to_interpolation(const Node& node) {
   Interpolation result{.rule = choice(node.at("rule"), kBlendRules)};
-  if (result.rule == BlendRule::forces) return result;
-  result.reference_force = node.at("reference_force").number_above_zero();
+  if (result.rule == BlendRule::compliances) {
+    result.reference_force = node.at("reference_force").number_above_zero();
+  } else if (const auto depth = node.find("reference_depth")) {
+    result.reference_depth = depth->number_above_zero();
+  } else {
+    return result;
+  }
   result.reach = node.at("reach").number_at_least_zero();
   return result;
 }

@@ -94,6 +94,10 @@ Json to_json(const ContactCompliance& compliance) {
           {"trend", trend}};
 }
 
+Json to_json(const ContactStrength& strength) {
+  return {{"value", to_json(strength.value)}, {"trend", numbers_to_json(strength.trend)}};
+}
+
 Json to_json(const ContactUncertainty& uncertainty) {
   return {{"force", to_json(uncertainty.force)},
           {"displacement", to_json(uncertainty.displacement)},
@@ -137,6 +141,7 @@ Json to_json(const ContactModel& contact) {
                  {"bases", bases},
                  {"ridges", ridges}};
   if (contact.compliance) result["compliance"] = to_json(*contact.compliance);
+  if (contact.strength) result["strength"] = to_json(*contact.strength);
   if (contact.uncertainty) result["uncertainty"] = to_json(*contact.uncertainty);
   result["friction"] = friction_to_json(contact);
   result["fit"] = fit_to_json(contact);
@@ -145,10 +150,13 @@ Json to_json(const ContactModel& contact) {
 
 Json to_json(const Interpolation& interpolation) {
   Json result = {{"rule", to_string(interpolation.rule)}};
-  if (interpolation.rule == BlendRule::compliances) {
+  if (interpolation.rule == BlendRule::compliances)
     result["reference_force"] = to_json(interpolation.reference_force);
-    result["reach"] = to_json(interpolation.reach);
-  }
+  else if (interpolation.reference_depth > 0)
+    result["reference_depth"] = to_json(interpolation.reference_depth);
+  else
+    return result;
+  result["reach"] = to_json(interpolation.reach);
   return result;
 }
 

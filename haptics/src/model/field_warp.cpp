@@ -33,11 +33,37 @@ double relative_change(const Compliance& change, const Compliance& mean) {
   return std::max(std::abs(change(2)) / mean(2), std::sqrt(std::max(square, 0.0)));
 }
 
-// a^T H b with the second derivatives H of the compliance.
-Compliance curvature(const ContactCompliance& contact, const Eigen::Vector2d& a,
-                     const Eigen::Vector2d& b) {
-  return contact.trend.rightCols<3>() *
-         Eigen::Vector3d(a.x() * b.x(), a.x() * b.y() + a.y() * b.x(), a.y() * b.y());
+// Factors of the derivatives in `trend`, for the step from a contact to a place: u to the mean of
+// the contacts, v beyond it.
+Eigen::Vector<double, 5> steps_of_trend(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
+  const Eigen::Matrix2d square = u * u.transpose() / 6 + u * v.transpose() + v * v.transpose() / 2;
+  Eigen::Vector<double, 5> steps;
+  steps << 2.0 / 3 * u + v, square(0, 0), square(0, 1) + square(1, 0), square(1, 1);
+  return steps;
+}
+
+// The mean of the contacts that `is_known`, and how far the place lies beyond.
+struct Middle {
+  double weights = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), beyond = Eigen::Vector3d::Zero();
+};
+
+template <typename IsKnown>
+Middle middle_of(const std::vector<ContactModel>& contacts, std::span<const int> indices,
+                 std::span<const double> weights, const Eigen::Vector3d& place, double reach,
+                 IsKnown is_known) {
+  Middle middle;
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
+    if (!is_known(contact)) continue;
+    middle.weights += weights[k];
+    middle.position += weights[k] * contact.position;
+  }
+  middle.position /= middle.weights;
+  middle.beyond = place - middle.position;
+  const double distance = middle.beyond.norm();
+  if (distance > reach) middle.beyond *= reach / distance;
+  return middle;
 }
 
 }  // namespace
@@ -59,34 +85,45 @@ Compliance compliance_between(const std::vector<ContactModel>& contacts,
                               std::span<const int> indices, std::span<const double> weights,
                               const Eigen::Vector3d& place, const Eigen::Matrix3d& frame,
                               double reach) noexcept {
-  double sum = 0;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < indices.size(); ++k) {
-    const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
-    if (!contact.compliance) continue;
-    sum += weights[k];
-    center += weights[k] * contact.position;
-  }
-  center /= sum;
-  Eigen::Vector3d beyond = place - center;
-  const double distance = beyond.norm();
-  if (distance > reach) beyond *= reach / distance;
+  const Middle middle =
+      middle_of(contacts, indices, weights, place, reach,
+                [](const ContactModel& contact) { return contact.compliance.has_value(); });
   Compliance mean = Compliance::Zero(), change = Compliance::Zero();
   for (std::size_t k = 0; k < indices.size(); ++k) {
     const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
     if (!contact.compliance) continue;
     const Eigen::Matrix3d& own = pressing_frames[static_cast<std::size_t>(indices[k])];
     const auto axes = own.leftCols<2>().transpose();
-    const Eigen::Vector2d u = axes * (center - contact.position), v = axes * beyond;
-    const Eigen::Vector2d step = 2.0 / 3 * u + v;
+    const Eigen::Vector<double, 5> steps =
+        steps_of_trend(axes * (middle.position - contact.position), axes * middle.beyond);
     const Eigen::Matrix2d turn = turn_between(own, frame);
-    mean += weights[k] / sum * turned(contact.compliance->values, turn);
-    const Compliance step_change =
-        contact.compliance->trend.leftCols<2>() * step + curvature(*contact.compliance, u, u) / 6 +
-        curvature(*contact.compliance, u, v) + curvature(*contact.compliance, v, v) / 2;
-    change += weights[k] / sum * turned(step_change, turn);
+    const double weight = weights[k] / middle.weights;
+    mean += weight * turned(contact.compliance->values, turn);
+    change += weight * turned(contact.compliance->trend * steps, turn);
   }
   return limited(mean, change);
+}
+
+double strength_factor(const std::vector<ContactModel>& contacts, std::span<const int> indices,
+                       std::span<const double> weights, const Eigen::Vector3d& place,
+                       double reach) noexcept {
+  const Middle middle =
+      middle_of(contacts, indices, weights, place, reach,
+                [](const ContactModel& contact) { return contact.strength.has_value(); });
+  double mean = 0, change = 0;
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
+    if (!contact.strength) continue;
+    const auto axes = contact.frame.leftCols<2>().transpose();
+    mean += weights[k] * contact.strength->value;
+    change += weights[k] * contact.strength->trend.dot(steps_of_trend(
+                               axes * (middle.position - contact.position), axes * middle.beyond));
+  }
+  return strength_factor(mean, change);
+}
+
+double strength_factor(double mean, double change) noexcept {
+  return mean > 0 ? 1 + std::clamp(change / mean, -kMaxChange, kMaxChange) : 1;
 }
 
 Compliance limited(const Compliance& mean, const Compliance& change) noexcept {

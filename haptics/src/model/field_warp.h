@@ -44,6 +44,17 @@ using Compliance = Eigen::Vector<double, 6>;
                                             const Eigen::Vector3d& place,
                                             const Eigen::Matrix3d& frame, double reach) noexcept;
 
+/// By how much a place resists more than the weighted mean of its contacts: 1 + the change of their
+/// strengths towards the place, which is computed as in `compliance_between` and limited to
+/// kMaxChange, relative to the mean of their strengths. 1 if none is known, or all are 0. Real-time
+/// safe.
+[[nodiscard]] double strength_factor(const std::vector<ContactModel>& contacts,
+                                     std::span<const int> indices, std::span<const double> weights,
+                                     const Eigen::Vector3d& place, double reach) noexcept;
+
+/// 1 + `change` / `mean`, with the change limited to kMaxChange of the mean; 1 without a mean.
+[[nodiscard]] double strength_factor(double mean, double change) noexcept;
+
 /// Relative to the weighted mean of the contacts' compliances: a place is at most four times as
 /// stiff as the mean, and its compliance stays positive.
 inline constexpr double kMaxChange = 0.75;

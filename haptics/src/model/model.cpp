@@ -42,6 +42,10 @@ void check_contact(const ContactModel& contact, const std::string& name) {
     check("uncertainty: between", contact.uncertainty->between, "mm^-1.25");
   }
   check_force_field(contact.field, name.c_str());
+  if (contact.strength) {
+    check("strength: value", contact.strength->value, "N");
+    require([&] { return name + ": strength: trend"; }, contact.strength->trend.sum(), finite());
+  }
   if (!contact.compliance) return;
   const Eigen::Vector<double, 6>& values = contact.compliance->values;
   if (!(std::abs(contact.compliance->direction.norm() - 1) <= kFrameTolerance)) {
@@ -59,6 +63,8 @@ void check_contact(const ContactModel& contact, const std::string& name) {
 void check_interpolation(const Interpolation& given) {
   const bool counts = given.rule == BlendRule::compliances;
   const double force = given.reference_force, reach = given.reach;
+  require("the model's interpolation: reference_depth", given.reference_depth, at_least(0).finite(),
+          "mm");
   require("the model's interpolation: reference_force", force,
           (counts ? above(0) : at_least(0)).finite(), "N");
   require("the model's interpolation: reach", reach, at_least(0).finite(), "mm");

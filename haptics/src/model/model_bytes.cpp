@@ -159,6 +159,12 @@ void visit(Archive& archive, ContactCompliance& compliance) {
 }
 
 template <typename Archive>
+void visit(Archive& archive, ContactStrength& strength) {
+  archive.value(strength.value);
+  visit(archive, strength.trend);
+}
+
+template <typename Archive>
 void visit(Archive& archive, ContactUncertainty& uncertainty) {
   archive.value(uncertainty.force);
   archive.value(uncertainty.displacement);
@@ -184,6 +190,7 @@ void visit(Archive& archive, ContactModel& contact) {
                static_cast<std::uint8_t>(FrictionSource::lower_bound) + 1);
   visit(archive, contact.friction_axis);
   visit(archive, contact.compliance);
+  visit(archive, contact.strength);
   visit(archive, contact.uncertainty);
 }
 
@@ -226,6 +233,7 @@ void visit(Archive& archive, Model& model) {
   number_below(archive, model.interpolation.rule,
                static_cast<std::uint8_t>(BlendRule::compliances) + 1);
   archive.value(model.interpolation.reference_force);
+  archive.value(model.interpolation.reference_depth);
   archive.value(model.interpolation.reach);
   visit(archive, model.probe_radius);
   archive.value(model.friction_force);

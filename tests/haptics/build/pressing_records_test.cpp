@@ -58,8 +58,10 @@ TEST(BuildModel, FollowsCollinearPressesAndIsSoftAcross) {
   }
 }
 
-// Linear springs [N/mm] at 36 contacts 14 mm apart, recorded with four digits.
-probing::Acquisition pressed_springs(const std::function<double(double)>& stiffness_at) {
+using ForceAt = std::function<double(double x, double depth)>;
+
+// Springs at 36 contacts 14 mm apart, recorded with four digits.
+probing::Acquisition pressed_springs(const ForceAt& force_at) {
   probing::Acquisition acquisition;
   for (int i = 0; i < 36; ++i) {
     const Vector3d place(14 * (i % 6) - 35, 14 * (i / 6) - 35, 700);
@@ -68,7 +70,7 @@ probing::Acquisition pressed_springs(const std::function<double(double)>& stiffn
       probing::Sample sample;
       sample.id = sample.group = static_cast<long long>(acquisition.samples.size());
       sample.contact = i;
-      sample.force.z() = std::round(1e4 * stiffness_at(place.x()) * s) / 1e4;
+      sample.force.z() = std::round(1e4 * force_at(place.x(), s)) / 1e4;
       sample.a = sample.b = place + Vector3d(0, 0, s);
       acquisition.samples.push_back(sample);
     }
@@ -77,13 +79,17 @@ probing::Acquisition pressed_springs(const std::function<double(double)>& stiffn
 }
 
 TEST(BuildModel, BlendsWhatPredictsLeftOutPlacesBetter) {
-  const auto rule_of = [](const std::function<double(double)>& stiffness_at) {
-    const BuildResult built = build_model(pressed_springs(stiffness_at), flat_surface());
+  const auto rule_of = [](const ForceAt& force_at) {
+    const BuildResult built = build_model(pressed_springs(force_at), flat_surface());
     EXPECT_TRUE(built.rule_errors);
     return built.model.interpolation.rule;
   };
-  EXPECT_EQ(rule_of([](double x) { return 0.5 + 0.012 * x; }), BlendRule::forces);
-  EXPECT_EQ(rule_of([](double x) { return 1 / (2 + 0.05 * x); }), BlendRule::compliances);
+  // One curve of the depth, with a factor in front of the force or of the depth.
+  const auto curve = [](double depth) { return depth + 0.3 * depth * depth * depth; };
+  EXPECT_EQ(rule_of([&](double x, double depth) { return (0.5 + 0.012 * x) * curve(depth); }),
+            BlendRule::forces);
+  EXPECT_EQ(rule_of([&](double x, double depth) { return curve(depth / (2 + 0.025 * x)); }),
+            BlendRule::compliances);
 }
 
 // A sheet that stiffens above a block, pressed along z at five forces and recorded to 0.01 mm and

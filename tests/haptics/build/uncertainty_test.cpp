@@ -13,6 +13,7 @@
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/contact_strength.h"
 #include "sheet_model.h"
 
 namespace palpate::haptics {
@@ -218,7 +219,8 @@ TEST(LeftOutErrorsOfRules, PreferTheRuleThatTheObjectFollows) {
     for (Eigen::Index j = 0; j < 6; ++j)
       made.samples[i].forces.col(j) = true_force(stiffness, made.samples[i].displacements.col(j));
   }
-  const auto errors = left_out_errors_of_rules(with_compliances(made.model, 1), made.samples);
+  const auto errors = left_out_errors_of_rules(with_compliances(made.model, 1),
+                                               with_strengths(made.model, 1), made.samples);
   ASSERT_TRUE(errors);
   EXPECT_LT(errors->compliances, 0.5 * errors->forces);
 }

@@ -66,6 +66,16 @@ TEST(FieldDocumentReader, NamesThePlaceAndWhatIsRight) {
       AllOf(HasSubstr("/contacts/1/compliance/trend/3/5: found \"1\""), HasSubstr("a number")));
   EXPECT_THAT(refused_document([](json& d) { d["contacts"][1]["compliance"]["trend"].erase(0); }),
               AllOf(HasSubstr("/contacts/1/compliance/trend:"), HasSubstr("five derivatives")));
+  const auto with_strength = [](const json& value, const json& trend) {
+    return refused_document([&](json& d) {
+      d["contacts"][1]["strength"] = {{"value", value}, {"trend", trend}};
+    });
+  };
+  EXPECT_THAT(
+      with_strength(-0.1, {0, 0, 0, 0, 0}),
+      AllOf(HasSubstr("/contacts/1/strength/value: found -0.1"), HasSubstr("a number >= 0")));
+  EXPECT_THAT(with_strength(1, {0, 0, 0, 0}),
+              AllOf(HasSubstr("/contacts/1/strength/trend:"), HasSubstr("five numbers")));
   EXPECT_THAT(refused_document([](json& d) { d["contacts"][1]["compliance"]["values"].erase(0); }),
               AllOf(HasSubstr("/contacts/1/compliance/values:"), HasSubstr("six numbers")));
   EXPECT_THAT(refused_document([](json& d) { d["contacts"][1]["fit"]["mode"] = "concave"; }),

@@ -91,6 +91,7 @@ class CubicCompliance : public ::testing::Test {
       ContactCompliance& given = contacts[k].compliance.emplace();
       given.values << 0, 0, cubic(places[k]), 1, 0, 1;
       given.trend.row(2) = derivatives(places[k]);
+      contacts[k].strength = {.value = cubic(places[k]), .trend = derivatives(places[k])};
     }
   }
   [[nodiscard]] double at(const std::array<double, 3>& weights, const Eigen::Vector3d& place,
@@ -123,6 +124,32 @@ TEST_F(CubicCompliance, IsFollowedBeyondTheContactsAsFarAsTheReach) {
   const Eigen::Vector3d outside(there.x(), there.y(), 700);
   EXPECT_NEAR(at({0, 1, 0}, outside), value + 4 * d(0) + 8 * d(2), kWarpTolerance);
   EXPECT_NEAR(at({0, 1, 0}, outside, 1), value + d(0) + d(2) / 2, kWarpTolerance);
+}
+
+TEST_F(CubicCompliance, IsReproducedAsAStrengthThatScalesTheMeanOfTheContacts) {
+  for (const std::array<double, 3>& weights :
+       {std::array{1.0, 0.0, 0.0}, {0.5, 0.5, 0.0}, {0.2, 0.3, 0.5}, {0.1, 0.8, 0.1}}) {
+    const Eigen::Vector3d where = place(weights);
+    double mean = 0;
+    for (std::size_t k = 0; k < 3; ++k) mean += weights[k] * contacts[k].strength->value;
+    EXPECT_NEAR(mean * strength_factor(contacts, indices, weights, where, 100),
+                cubic(where.head<2>()), kWarpTolerance);
+  }
+}
+
+TEST(StrengthFactor, IsOneWithoutStrengthsAndLimitedOtherwise) {
+  const std::array<double, 3> weights{0.2, 0.3, 0.5};
+  std::vector<ContactModel> contacts(3);
+  const std::array<int, 3> indices{0, 1, 2};
+  const auto factor = [&] {
+    return strength_factor(contacts, indices, weights, Eigen::Vector3d(1, 2, 3), 100);
+  };
+  EXPECT_EQ(factor(), 1);
+  for (ContactModel& contact : contacts)
+    contact.strength = {.value = 0, .trend = Eigen::Vector<double, 5>::Ones()};
+  EXPECT_EQ(factor(), 1);
+  for (ContactModel& contact : contacts) contact.strength->value = 1e-9;
+  EXPECT_EQ(factor(), 1 + kMaxChange);
 }
 
 TEST_F(CubicCompliance, NeverChangesTheMeanByMoreThanItsPart) {

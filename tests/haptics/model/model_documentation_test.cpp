@@ -12,6 +12,7 @@
 #include "model_testing.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/haptics/blended_field.h"
+#include "palpate/haptics/contact_strength.h"
 #include "palpate/haptics/deformed_shape.h"
 #include "repository.h"
 #include "sphere_model.h"
@@ -257,8 +258,9 @@ TEST(ModelDocumentation, TheReaderSaysWhatPlaybackSaysOnAnOpenSurface) {
 }
 
 TEST(ModelDocumentation, TheReaderSaysWhatPlaybackSaysWhereForcesAreBlended) {
-  expect_same_everywhere(uneven_model(), 100);
-  expect_same_everywhere(scattered_model(), 200);
+  expect_same_everywhere(uneven_model(), 100);  // no contact has a strength
+  expect_same_everywhere(with_strengths(uneven_model(), 2), 100);
+  expect_same_everywhere(with_strengths(scattered_model(), 2), 200);
 }
 
 }  // namespace

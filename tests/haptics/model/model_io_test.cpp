@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/model_io.h"
+#include "palpate/haptics/contact_strength.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,6 +43,17 @@ TEST(ModelIo, ReadsTheCompliancesThatWereWritten) {
   ASSERT_TRUE(model.contacts[0].compliance);
   model.contacts[0].compliance->values(2) *= 1.25;
   model.contacts[0].compliance->trend(2, 1) = 0.0123;
+  model.interpolation.reach = 7;
+  const ScratchFolder scratch;
+  write_model(scratch / "model", model);
+  expect_same(read_model(scratch / "model"), model);
+}
+
+TEST(ModelIo, ReadsTheStrengthsThatWereWritten) {
+  Model model = with_strengths(some_model(), 1.7);
+  ASSERT_TRUE(model.contacts[0].strength);
+  model.contacts[0].strength->value *= 1.25;
+  model.contacts[0].strength->trend(1) = 0.0123;
   model.interpolation.reach = 7;
   const ScratchFolder scratch;
   write_model(scratch / "model", model);

@@ -46,10 +46,11 @@ inline constexpr double kContrastError = 0.17;
 /// The weights w_k are those of `geometry::ContactLocator` instead of barycentric coordinates on
 /// flat triangles. The force is that of the tool ON THE OBJECT; a user feels its opposite.
 ///
-/// `BlendRule::forces` (Eq 5.10): R_c is the Karcher mean of the contacts' frames, A_k = I and
-/// beta_k = 1. With this rule a stiff neighbour resists displacements far beyond its own, and the
-/// force jumps where frames differ by about half a turn and have no single mean, which x axes of
-/// contacts must do somewhere on a closed surface.
+/// `BlendRule::forces`: R_c is the Karcher mean of the contacts' frames, A_k = I, and beta_k = b is
+/// the same for all: by how much the place is stronger than the weighted mean of its contacts, by
+/// the trends of their strengths. With b = 1 this is Eq 5.10. With this rule a stiff neighbour
+/// resists displacements far beyond its own, and the force jumps where frames differ by about half
+/// a turn and have no single mean, which x axes of contacts must do somewhere on a closed surface.
 ///
 /// `BlendRule::compliances`: every field is rotated to the place by the smallest rotation T_k of
 /// the inward normal, so that its x axis does not matter, and warped to yield to the reference

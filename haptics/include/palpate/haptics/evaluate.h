@@ -74,8 +74,9 @@ struct ContactError {
   /// [N] disagreement of the neighbours: sqrt(mean sum_k w_k |f_k - f|^2) over the samples, where
   /// f_k is the force of the field of neighbour k alone, and w_k its weight
   double spread = 0;
-  /// [N] standard deviation of the normal force at the reference displacement that kriging of the
-  /// neighbours' compliances expects; only where compliances are blended and neighbours have one
+  /// [N] standard deviation of the normal force, at the reference displacement or on average of a
+  /// press to the reference depth, that kriging of the neighbours' compliances or strengths
+  /// expects; only where neighbours have one
   std::optional<double> expected = std::nullopt;
   /// With the noise of the samples; if the model states errors.
   std::optional<StatedErrors> stated = std::nullopt;
@@ -97,8 +98,7 @@ struct LeaveOneOut {
   std::optional<StatedErrors> stated = std::nullopt;
   std::vector<ContactError> per_contact;  ///< in the order of the model's contacts
   /// The places with the largest expected errors, at least half the spacing of contacts apart from
-  /// each other and from contacts, and at most that far from the triangles of contacts. Empty
-  /// unless compliances are blended.
+  /// each other and from contacts, and at most that far from the triangles of contacts.
   std::vector<SuggestedContact> suggested;
 };
 
@@ -115,11 +115,11 @@ void visit(LeaveOneOutOptions& options, FieldVisitor& visitor);
 /// Predicts the samples of each contact from the other contacts (thesis 5.3.3) and compares the
 /// prediction with the measurement. Where the model depends on the rate, its part of the measured
 /// forces, by the contact's own field, is taken off first. For each contact, the others
-/// are triangulated without it, as `LeftOutModels` says, and their compliances are learnt again.
-/// What all contacts were estimated with together stays: the offsets and the noise of contacts that
-/// were only pressed and how far their curves were smoothed, and the stated errors between
-/// contacts. Errors are therefore somewhat smaller than those of a model that was fitted without
-/// the contact.
+/// are triangulated without it, as `LeftOutModels` says, and their compliances or strengths are
+/// learnt again. What all contacts were estimated with together stays: the offsets and the noise of
+/// contacts that were only pressed and how far their curves were smoothed, and the stated errors
+/// between contacts. Errors are therefore somewhat smaller than those of a model that was fitted
+/// without the contact.
 ///
 /// \throws InvalidInput if a contact of the model is missing, at another place or without samples
 /// in the acquisition, if the model was fitted to other samples or does not say to which (it was

@@ -49,9 +49,20 @@ struct ContactCompliance {
   friend bool operator==(const ContactCompliance&, const ContactCompliance&) = default;
 };
 
+/// How strongly a contact resists a press, and how this changes around it on the surface.
+struct ContactStrength {
+  /// [N] >= 0, the mean force along the local z axis of a press to the model's reference depth.
+  double value = 0;
+  /// Derivatives with respect to the place: d/dx, d/dy, d2/dx2, d2/dxdy, d2/dy2, along the x and y
+  /// axes of the local frame [N/mm, N/mm^2].
+  Eigen::Vector<double, 5> trend = Eigen::Vector<double, 5>::Zero();
+
+  friend bool operator==(const ContactStrength&, const ContactStrength&) = default;
+};
+
 /// What neighbouring contacts give to a place between them.
 enum class BlendRule {
-  forces,      ///< their forces at the same displacement (Eq 5.10)
+  forces,      ///< their forces at the same displacement (Eq 5.10), scaled to the place's strength
   compliances  ///< their forces at displacements that fit the compliance of the place
 };
 
@@ -59,6 +70,7 @@ enum class BlendRule {
 struct Interpolation {
   BlendRule rule = BlendRule::forces;
   double reference_force = 0;  ///< [N] F of the contacts' compliances; > 0 with `compliances`
+  double reference_depth = 0;  ///< [mm] of the contacts' strengths; > 0 if there are any
   double reach = 0;  ///< [mm] how far beyond its contacts a place follows their trend; >= 0
 
   friend bool operator==(const Interpolation&, const Interpolation&) = default;
@@ -110,6 +122,8 @@ struct ContactModel {
   /// None: not known, or the field does not reach the reference force. The contact's forces then
   /// count at the same displacement, whatever the rule.
   std::optional<ContactCompliance> compliance = {};
+  /// With the rule `forces`; none: not known. The place's strength is then that of the others.
+  std::optional<ContactStrength> strength = {};
   int samples = 0;  ///< pairs of displacement and force that the field was fitted to
   double rms = 0;   ///< [N] sqrt(mean |error|^2) of the field on them
   // What the fit reported (see FitResult); nullopt where it is not known.
