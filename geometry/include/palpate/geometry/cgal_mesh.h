@@ -11,6 +11,7 @@
 #include "palpate/core/error.h"
 #include "palpate/geometry/triangle_mesh.h"
 
+/// \file
 /// Conversion to and from CGAL's Surface_mesh. No other header of Palpate includes this one or
 /// needs CGAL to compile; link CGAL::CGAL yourself.
 namespace palpate::geometry {

@@ -16,6 +16,7 @@
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/triangle_mesh.h"
 
+/// \file
 /// Conversion to and from PCL's PointCloud and PolygonMesh, whose coordinates are floats. No other
 /// header of Palpate includes this one or needs PCL to compile; link PCL yourself.
 ///
