@@ -16,6 +16,7 @@
 #include "shared/program.h"
 #include "shared/wrong_call.h"
 #include "whole/all_commands.h"
+#include "whole/describe_commands.h"
 #include "whole/version.h"
 
 namespace palpate::apps {
@@ -31,7 +32,8 @@ int run(int argc, char** argv) {
   std::optional<int> threads;
   int verbosity = 0;
   show_shared_options(app);
-  app.set_help_all_flag("--help-all", "Also list the options that few users set");
+  app.set_help_all_flag(
+      "--help-all", "Also list the options that few users set; with --json, describe all commands");
   app.add_flag("--json", settings.json, "Print the results as one JSON object instead of text")
       ->group(kSharedOptions);
   // After --json, whose value it reads.
@@ -64,6 +66,10 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
+    if (settings.json && dynamic_cast<const CLI::CallForAllHelp*>(&e) != nullptr) {
+      std::cout << describe_commands(app).dump(1) << '\n';
+      return kProgramDone;
+    }
     if (e.get_exit_code() == 0) return app.exit(e);  // help or version
     spdlog::error("{}", describe_wrong_call(app, e));
     return kProgramWrongCall;
