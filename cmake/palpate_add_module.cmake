@@ -42,12 +42,13 @@ function(palpate_add_module name)
     EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     VERIFY_INTERFACE_HEADER_SETS ON INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
+  palpate_development_component(development ${name})
   install(TARGETS palpate_${name} EXPORT palpate_${name}
-          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}
-          FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name}
-          FILE_SET converters DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name})
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name} NAMELINK_COMPONENT ${development}
+          FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${development}
+          FILE_SET converters DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${development})
   install(EXPORT palpate_${name} NAMESPACE palpate:: FILE palpate_${name}.cmake
-          DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT ${name})
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT ${development})
 endfunction()
 
 # palpate_add_loaded_module(name COMPONENT ... SOURCES ... LIBRARIES ...)

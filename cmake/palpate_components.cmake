@@ -45,3 +45,13 @@ set(PALPATE_PACKAGES_OF_MODULES QUIET)
 if(PROJECT_IS_TOP_LEVEL AND palpate_has_all)
   set(PALPATE_PACKAGES_OF_MODULES REQUIRED)
 endif()
+
+# What only compiling against a library needs belongs to the component of the library, but to one of its own in packages, so that
+# users of the programs do not install it.
+option(PALPATE_PACKAGES "Make Debian packages: `cpack` in the build folder, or ./dev package" OFF)
+function(palpate_development_component result name)
+  if(PALPATE_PACKAGES)
+    set(name development)
+  endif()
+  set(${result} ${name} PARENT_SCOPE)
+endfunction()

@@ -8,8 +8,9 @@ configure_package_config_file(
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake
                                  COMPATIBILITY SameMinorVersion)
 # Part of the lowest component: whoever installs anything installs core.
+palpate_development_component(development core)
 install(FILES ${PROJECT_BINARY_DIR}/palpateConfig.cmake ${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake
-        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT core)
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT ${development})
 # For projects that use pkg-config. What the public headers of each component need:
 set(needs_core "")
 set(needs_geometry "palpate_core = ${PROJECT_VERSION}, eigen3 >= 3.4")
@@ -28,7 +29,9 @@ endif()
 foreach(name IN LISTS palpate_libraries)
   set(requires ${needs_${name}})
   configure_file(${CMAKE_CURRENT_LIST_DIR}/palpate.pc.in ${PROJECT_BINARY_DIR}/palpate_${name}.pc @ONLY)
-  install(FILES ${PROJECT_BINARY_DIR}/palpate_${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT ${name})
+  palpate_development_component(development ${name})
+  install(FILES ${PROJECT_BINARY_DIR}/palpate_${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+          COMPONENT ${development})
 endforeach()
 # What the licences of this build ask for.
 if(PALPATE_CGAL)
