@@ -26,7 +26,8 @@ int run(int argc, char** argv) {
   ViewCall call;
   int verbosity = 0;
   add_options(app, call);
-  app.add_flag("-v", verbosity, "Print how the loop kept its time, and pictures a second");
+  app.add_flag("-v", verbosity,
+               "Print how punctual the haptic loop was, and the pictures drawn per second");
   apps::refuse_empty_values(app);
   try {
     app.parse(argc, argv);

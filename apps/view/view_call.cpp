@@ -62,27 +62,29 @@ void add_options(CLI::App& app, ViewCall& call) {
 
   const char* model = "A model";
   app.add_option("--trajectory", call.trajectory,
-                 "Way of the tool (CSV with t,x,y,z), instead of the mouse")
+                 "Positions of the tool over time (CSV with t,x,y,z), instead of the mouse")
       ->group(model);
-  app.add_option("--session", call.session, "Record what the mouse does, for --replay")
+  app.add_option("--session", call.session,
+                 "File to which the movements of the mouse are recorded, for --replay")
       ->group(model);
-  app.add_option("--replay", call.replay, "Play a session that was recorded")->group(model);
+  app.add_option("--replay", call.replay, "Recorded file of --session to play again")->group(model);
   for (CLI::Option* option : apps::add_fields(app, fields_of(call.playback)))
     if (option->get_group() != apps::kExpertOptions) option->group(model);
 
   const char* maps = "Range maps";
   app.add_option("--compare", call.compare,
-                 "Range maps to which these are compared: true depths, or another sequence")
+                 "Range maps to compare with: true depths, or another sequence")
       ->group(maps);
-  apps::add_choice<MapLayer>(app, "--show", call.layer,
-                             {{"depth", MapLayer::depth},
-                              {"deviation", MapLayer::deviation},
-                              {"reason", MapLayer::reason},
-                              {"difference", MapLayer::difference}},
-                             "What is shown first: depth, deviation, reason or difference")
+  apps::add_choice<MapLayer>(
+      app, "--show", call.layer,
+      {{"depth", MapLayer::depth},
+       {"deviation", MapLayer::deviation},
+       {"reason", MapLayer::reason},
+       {"difference", MapLayer::difference}},
+      "What the window shows when it opens: depth, deviation, reason or difference")
       ->group(maps);
   apps::add_choice<bool>(app, "--as", call.as_surface, {{"image", false}, {"surface", true}},
-                         "How it is shown first: image or surface")
+                         "How the window shows it when it opens: as an image or as a surface")
       ->group(maps);
   apps::add_camera_options(app, call.camera);
   for (const char* name : {"--rig", "--scale", "--intrinsics"}) app.get_option(name)->group(maps);
@@ -99,11 +101,11 @@ void add_options(CLI::App& app, ViewCall& call) {
   app.add_option("--screenshot", call.screenshot, "Write one picture (PNG), and show no window")
       ->group(pictures);
   app.add_option("--movie", call.movie,
-                 "Write 30 pictures a second into a folder, and show no window")
+                 "Write a movie, 30 pictures per second, to a folder, and show no window")
       ->group(pictures);
   app.add_option("--seconds", call.seconds,
-                 "Time of the picture, length of the movie; a window closes then (default: the end "
-                 "of what is played; a window stays)")
+                 "Time that the picture shows, length of the movie, or time after which the window "
+                 "closes [s] (default: the end of what is played; a window stays open)")
       ->check(apps::within(at_least(0).finite()))
       ->group(pictures);
   app.add_option("--width", call.width, "Width of picture or window [px] (default: 1280)")

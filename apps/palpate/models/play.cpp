@@ -262,8 +262,9 @@ void add_play(CLI::App& app, const Settings& settings) {
   add_fields(*command, fields_of(call->device.playback));
   CLI::Option* tool_radius = command
                                  ->add_option("--tool-radius", call->tool_radius,
-                                              "Radius of the tool, a ball [mm]; if it is not the "
-                                              "probe's, say how wrong the forces are")
+                                              "Radius of the tool, a ball [mm]. If the object was "
+                                              "measured with another radius, the command says how "
+                                              "large the errors of the forces are")
                                  ->check(within(above(0).finite()));
   command
       ->add_option(

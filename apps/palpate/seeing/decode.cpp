@@ -314,8 +314,9 @@ void add_decode(CLI::App& app, const Settings& settings) {
       command
           ->add_option(
               "--bits", call->bits,
-              "Bits that 16-bit frames use, 8 to 16: 12 if the camera's full scale is 4095")
-          ->check(CLI::Range(8, 16));
+              "Number of bits that the camera delivers, if its frames are 16-bit files: 12 if its "
+              "largest value is 4095")
+          ->check(within(at_least(8).at_most(16)));
   command
       ->add_option(
           "--bayer", call->bayer,

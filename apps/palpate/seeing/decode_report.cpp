@@ -109,8 +109,8 @@ void report_decoding(const Settings& settings, const fs::path& output, const Dec
       {"sigma_includes_rig", outputs.noise},
       {"per_frame", per_frame}};
   print(settings, figures,
-        prose + fmt::format("{} of {} frames decoded, {:.0f} ms a frame (median), {:.1f} frames/s "
-                            "in all{}; {}.{}",
+        prose + fmt::format("{} of {} frames decoded, {:.0f} ms of work per frame (median), "
+                            "{:.1f} frames/s in total{}; {}.{}",
                             decoded, outcomes.size(), median_ms, rate,
                             kept > 0 ? fmt::format("; {} kept from an earlier run", kept) : "",
                             judgement.reason,

@@ -109,9 +109,8 @@ void add_finding_steps(CLI::App& command, CloudCall& call) {
         ->check(within(above(0).finite()));
   };
   const std::string of_shape =
-      "Find the largest %, its points within this distance [mm] of it, among the points of no "
-      "shape "
-      "before; marks them in the attribute shape";
+      "Find the % with the most points within this distance of it [mm]; points that belong to a "
+      "shape already do not count. The attribute shape gets its number at these points";
   const auto help_of = [&](const std::string& shape) {
     std::string text = of_shape;
     return text.replace(text.find('%'), 1, shape);

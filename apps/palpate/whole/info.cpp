@@ -144,7 +144,7 @@ Description describe_acquisition(const fs::path& path) {
            {"samples", acquisition.samples().size()},
            {"slipped", slipped},
            {"on_friction_boundary", boundary}},
-          fmt::format("acquisition, {}, {}; {} slipped, {} lie on the friction boundary",
+          fmt::format("acquisition, {}, {}; {} slipped, {} are at the limit of friction",
                       counted(acquisition.contacts().size(), "contact"),
                       counted(acquisition.samples().size(), "sample"), slipped, boundary)};
 }
@@ -152,7 +152,8 @@ Description describe_acquisition(const fs::path& path) {
 std::string friction_in_words(const std::vector<double>& known, int without_own, int bounds) {
   if (known.empty()) return "unknown; palpate play takes 0, or --unknown-friction";
   return fmt::format(
-      "{:.3f} in the median; {} contacts do not determine theirs, {} of these use a lower bound",
+      "median coefficient {:.3f}; at {} contacts the measurements do not determine it; at {} of "
+      "these they give a lower bound, which is used",
       geometry::error_statistics(known).median, without_own, bounds);
 }
 

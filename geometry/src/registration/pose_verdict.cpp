@@ -166,8 +166,8 @@ Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double
                                   result.median, trial.median / scale)};
   }
   return {accepted,
-          fmt::format("{:.0f} % of the points lie on the surface within {:.3g} mm (RMS), and "
-                      "nowhere else as well",
+          fmt::format("{:.0f} % of the points lie on the surface within {:.3g} mm (RMS); no other "
+                      "pose that was tried fits as well",
                       100 * result.overlap, result.rms)};
 }
 

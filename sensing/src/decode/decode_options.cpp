@@ -59,8 +59,8 @@ void visit(DecodeOptions& options, FieldVisitor& visitor) {
       options.segmentation, kSegmentations);
   visitor.table(
       {.name = "anchors",
-       .description = "Pixels u,v of known depth z, needed by a pattern without stripes: one on "
-                      "each surface, away from edges; only their surfaces get depths",
+       .description = "A pixel u,v whose depth z you know. A pattern without stripes needs one on "
+                      "each surface, away from edges; other surfaces get no depths",
        .unit = "px, px, mm",
        .item = "anchor"},
       {rows_of(options.anchors), kAnchor,
