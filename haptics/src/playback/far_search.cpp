@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "playback/slip_searcher.h"
 
@@ -15,8 +16,9 @@ constexpr int kMaxInBracket = 12;  // evaluations
 constexpr int kMaxDownhill = 12;   // steps
 constexpr int kMaxShorter = 5;     // evaluations for each step, each a third as far as the last
 constexpr int kDirections = 8;     // around the nearest point
-// Distances there, of that from the nearest point to the tool.
-constexpr std::array kDistances = {0.25, 0.5, 1.0};
+// Distances there, of that from the nearest point to the tool: all around it, and then, since a
+// tool that has just touched beside the bottom of a sharp groove is held far up the flank, beyond.
+constexpr std::array<std::array<double, 3>, 2> kDistances = {{{0.25, 0.5, 1.0}, {2.0, 5.0, 12.0}}};
 constexpr double kProbe = 1e-3;  // [mm] along which slopes are measured
 // Added to the squared slopes, in parts of their trace, so that steps are finite and not far longer
 // than the slopes hold.
@@ -32,7 +34,8 @@ void SlipSearcher::far_away(SlipMemory& memory) {
   if (is_at_border()) return;
   if (!is_root(best_)) downhill(nearest_);
   if (!is_root(best_)) downhill(start_);
-  if (!is_root(best_)) around_nearest();
+  for (const auto& distances : kDistances)
+    if (!is_root(best_)) around_nearest(distances);
 }
 
 // The force at the nearest point is along the normal, more or less: there a contact is likely to
@@ -140,18 +143,27 @@ void SlipSearcher::downhill(const SlidingContact& from) {
   }
 }
 
-// Downhill from the best of some places around the nearest point, on all sides of a crease.
-void SlipSearcher::around_nearest() {
+// To where a contact begins to slip on the way to the nearest place around the nearest point that
+// holds it, on all sides of a crease; if none does, downhill from the best.
+void SlipSearcher::around_nearest(std::span<const double> distances) {
   const Eigen::Vector3d& normal = surface_.normal(nearest_.at.triangle);
   const Eigen::Vector3d first = forward_.cross(normal).normalized(), second = normal.cross(first);
   const double farthest = (tool_ - nearest_.at.position).norm();
   SlidingContact best = start_;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kDirections;
-    const Eigen::Vector3d along = std::cos(angle) * first + std::sin(angle) * second;
-    for (const double part : kDistances) {
-      evaluate(surface_.walk(nearest_.at, along.cross(normal), along, part * farthest).at);
+  for (const double part : distances) {
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kDirections;
+      const Eigen::Vector3d along = std::cos(angle) * first + std::sin(angle) * second;
+      const Eigen::Vector3d plane = along.cross(normal);
+      const Walk walk = surface_.walk(nearest_.at, plane, along, part * farthest);
+      evaluate(walk.at);
       if (last_.parts.normal < 0) continue;
+      keep_best();
+      if (is_root(last_)) return;
+      if (last_.parts.excess < 0 && nearest_.parts.excess > 0) {
+        return bracket(nearest_.at, plane, along, walk.length, last_.parts.excess, 0,
+                       nearest_.parts.excess);
+      }
       if (best.parts.normal < 0 || std::abs(last_.parts.excess) < std::abs(best.parts.excess))
         best = last_;
     }

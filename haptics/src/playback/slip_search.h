@@ -31,7 +31,8 @@ struct SlipSearchOptions {
 /// that does not find one either, as after jumps and across creases, the search begins again at the
 /// point nearest to the tool. Then it goes down the part of f_T beyond the cone along the surface
 /// itself, from the best place so far, the nearest point, the start, and the best of 24 places
-/// around the nearest point: at most 12 steps of 7 evaluations, and 12 once a place holds.
+/// around the nearest point and 24 further away: at most 12 steps of 7 evaluations, and 12 once a
+/// place holds.
 /// Real-time safe.
 /// \param start where |f_T| exceeds mu f_N.
 /// \param place of `start`; afterwards of the result.

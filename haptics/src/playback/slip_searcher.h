@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "playback/slip_search.h"
 
@@ -82,7 +83,7 @@ class SlipSearcher {
   void bracket(const SurfacePlace& from, const Eigen::Vector3d& plane, const Eigen::Vector3d& along,
                double holds, double excess_holding, double slips, double excess_slipping);
   void downhill(const SlidingContact& from);
-  void around_nearest();
+  void around_nearest(std::span<const double> distances);
 };
 
 }  // namespace palpate::haptics
