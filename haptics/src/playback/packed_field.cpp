@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/packed_field.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -27,7 +26,6 @@ PackedField::PackedField(const Model& model)
       id_(next_id_of_field()),
       by_compliance_(model.interpolation.rule == BlendRule::compliances) {
   for (const ContactModel& contact : model.contacts) pack(contact);
-  stiffness_bound_ *= force_at_once(rate_);
 }
 
 void PackedField::pack(const ContactModel& contact) {
@@ -39,10 +37,8 @@ void PackedField::pack(const ContactModel& contact) {
   BaseRange range{.first_isotropic = static_cast<int>(isotropic_.size()),
                   .first_ridge = static_cast<int>(ridges_.size())};
   std::size_t isotropic = 0, ridges = 0;
-  double stiffness = 0;
   constexpr Lanes kOnes{{1, 1, 1, 1}};
   for (const Multiquadric& base : contact.field.bases) {
-    stiffness += std::abs(base.weight) / base.epsilon;
     if (is_ridge(base)) {
       if (ridges % 4 == 0) {
         ridges_.push_back({.weight = {}, .squared_epsilon = kOnes, .offset = {}, .ridge = {}});
@@ -72,7 +68,6 @@ void PackedField::pack(const ContactModel& contact) {
   range.isotropic_end = static_cast<int>(isotropic_.size());
   range.ridge_end = static_cast<int>(ridges_.size());
   ranges_.push_back(range);
-  stiffness_bound_ = std::max(stiffness_bound_, stiffness);
 
   std::array<double, PlaceField::kConstants>& c = constants_.emplace_back();
   Eigen::Matrix3d::Map(c.data() + packed::kPressing) = pressing;

@@ -67,8 +67,8 @@ struct Playback::Impl {
                                       LoopState& state, SlidingContact& contact) const;
   [[nodiscard]] double affordable_share(const SlidingContact& contact, const Eigen::Vector3d& way,
                                         const LoopState& state) const;
-  [[nodiscard]] Command respond(const Eigen::Vector3d& force, const Eigen::Vector3d& way,
-                                LoopState& state) const;
+  [[nodiscard]] Command respond(const Eigen::Vector3d& force, double elastic,
+                                const Eigen::Vector3d& way, LoopState& state) const;
   [[nodiscard]] Command let_go(const Eigen::Vector3d& proxy, const Eigen::Vector3d& way,
                                LoopState& state) const;
   [[nodiscard]] Command hold(LoopState& state) const;
@@ -197,12 +197,17 @@ double Playback::Impl::affordable_share(const SlidingContact& contact, const Eig
   return cost > 0 && cost > budget ? std::max(0.0, budget / cost) : 1;
 }
 
-// The command with this force on the user, or with as much of its change as a tick may have.
-Command Playback::Impl::respond(const Eigen::Vector3d& force, const Eigen::Vector3d& way,
-                                LoopState& state) const {
+// The command with this force on the user, or with as much of its change as a tick may have. A
+// force that fades may always fall so steeply along the way that it returns no more than is left.
+// \param elastic [N] change of the force while the contact held.
+Command Playback::Impl::respond(const Eigen::Vector3d& force, double elastic,
+                                const Eigen::Vector3d& way, LoopState& state) const {
   Command command{.force = force, .contact = state.proxy.position, .state = state.contact_state};
   const Eigen::Vector3d change = force - state.force;
-  const double largest = options.largest_jump + field.stiffness_bound() * way.norm();
+  double largest = options.largest_jump + elastic;
+  const double steepest = state.force.squaredNorm() * way.norm() / 2;
+  if (options.motion == ContactMotion::bracketed && steepest > 0)
+    largest += state.work > 0 ? steepest / state.work : std::numeric_limits<double>::infinity();
   if (change.squaredNorm() > largest * largest) {
     command.force = state.force + largest / change.norm() * change;
     command.limited = true;
@@ -215,12 +220,16 @@ Command Playback::Impl::respond(const Eigen::Vector3d& force, const Eigen::Vecto
 // \param proxy where the way of the free tool begins.
 Command Playback::Impl::let_go(const Eigen::Vector3d& proxy, const Eigen::Vector3d& way,
                                LoopState& state) const {
+  // A tool that passes its contact takes all of its force along.
+  const bool passes = (state.tool - state.proxy.position).squaredNorm() <= way.squaredNorm();
+  const double elastic = passes ? state.contact_force.norm() : 0;
   state.contact_state = ContactState::free;
   state.has_place = false;
   state.slip = {};
   state.delayed = {};
   state.proxy.position = proxy;
-  Command command = respond(Eigen::Vector3d::Zero(), way, state);
+  state.contact_force.setZero();
+  Command command = respond(Eigen::Vector3d::Zero(), elastic, way, state);
   command.contact = state.tool;
   return command;
 }
@@ -264,11 +273,12 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   if (!state.has_proxy) way.setZero();
   state.tool = tool;
 
-  bool started_inside = false, touches = false;
+  bool started_inside = false, touches = false, holds = false;
   if (state.contact_state != ContactState::free) {
-    touches = self.side.stays(state.proxy, tool) || self.is_still_inside(way, state);
+    holds = self.side.stays(state.proxy, tool);
+    touches = holds || self.is_still_inside(way, state);
   } else if (state.has_proxy) {
-    touches = self.side.enters(state.proxy.position, tool, state.proxy);
+    holds = touches = self.side.enters(state.proxy.position, tool, state.proxy);
   } else {
     started_inside = touches = self.is_inside(tool, state.proxy);
     state.has_proxy = true;
@@ -290,6 +300,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
       .parts = {}};
   contact.parts = friction_parts(state.place, contact.force.force);
   let_follow(self.field, state.place, tool, state.delayed, contact);
+  const double elastic = holds ? (contact.force.force - state.contact_force).norm() : 0;
   if (contact.parts.excess > self.options.tolerance) {
     const SlidingContact start = contact;
     contact = self.slip(start, tool, way, state);
@@ -311,7 +322,8 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   }
   if (started_inside) state.work += contact.force.energy;
   const double share = self.affordable_share(contact, way, state);
-  Command command = self.respond(-share * contact.force.force, way, state);
+  state.contact_force = contact.force.force;
+  Command command = self.respond(-share * contact.force.force, share * elastic, way, state);
   command.started_inside = started_inside;
   relax(self.field.rate(), tool - state.proxy.position, seconds, state.delayed);
   return command;

@@ -38,11 +38,12 @@ void visit(PlaybackOptions& options, FieldVisitor& visitor) {
                 "(docs/trade-playback.md)",
                 "N mm", kExpert},
                options.energy_credit, at_least(0));
-  visitor.real({"largest_jump",
-                "Largest change of the force in a tick, besides the largest stiffness of a contact "
-                "times the movement of the tool",
-                "N", kExpert},
-               options.largest_jump, above(0));
+  visitor.real(
+      {"largest_jump",
+       "Largest change of the force in a tick, besides what the stiffness of the object at "
+       "the contact gives for the movement of the tool",
+       "N", kExpert},
+      options.largest_jump, above(0));
   visitor.real(
       {"start_depth",
        "A tool up to this far inside when the loop starts touches the nearest point of the "

@@ -70,8 +70,10 @@ struct Pressing {
 };
 
 // \param depth [mm].
+// \param highest [mm] z of the place; the bottoms of grooves are at -8.
 Pressing random_pressing(const Model& model, const geometry::SurfaceQuery& query,
-                         const CreaseProfile& profile, double depth, std::mt19937& random) {
+                         const CreaseProfile& profile, double depth, std::mt19937& random,
+                         double highest = 0) {
   const geometry::TriangleMesh& surface = model.surface;
   std::uniform_real_distribution<double> uniform(-1, 1);
   while (true) {
@@ -79,7 +81,8 @@ Pressing random_pressing(const Model& model, const geometry::SurfaceQuery& query
     const int triangle = static_cast<int>(random() % surface.triangles.cols());
     const Eigen::Vector3d place =
         geometry::position(surface, {triangle, Eigen::Vector3d::Constant(1.0 / 3)});
-    if (place.x() < kFromBorder || place.x() > profile.corners().back().x() - kFromBorder ||
+    if (place.z() > highest || place.x() < kFromBorder ||
+        place.x() > profile.corners().back().x() - kFromBorder ||
         std::abs(place.y()) > 20 - kFromBorder)
       continue;
     const Eigen::Vector3i corners = surface.triangles.col(triangle);
@@ -117,6 +120,33 @@ TEST_F(PlaybackInGrooves, EndSlipsOnTheConeAfterJumps) {
     }
     EXPECT_GT(slips, 70) << friction;
     EXPECT_LE(beyond, 1) << friction;
+  }
+}
+
+// There the cone is that of neither flank, so that the nearest place may pull.
+TEST_F(PlaybackInGrooves, EndSlipsOnTheConeNearTheBottom) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  for (const double friction : {0.2, 0.5, 1.0}) {
+    const Playback playback(with_friction(friction),
+                            {.energy_credit = kInfinite, .largest_jump = kInfinite});
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    int slips = 0;
+    for (int i = 0; i < 600; ++i) {
+      const double highest = -CreaseProfile::kDepth + 2;
+      const Pressing at =
+          random_pressing(model, query, profile, 4 * uniform(random), random, highest);
+      LoopState state;
+      static_cast<void>(playback.step(at.outside, state));
+      static_cast<void>(playback.step(at.pressed, state));
+      const Command command = playback.step(at.pressed + 0.3 * at.along, state);
+      if (command.state != ContactState::slip) continue;
+      ++slips;
+      const FrictionParts parts = friction_parts(state.place, -command.force);
+      EXPECT_GE(parts.normal, 0) << friction << ' ' << i;
+      EXPECT_LE(std::abs(parts.excess), 1e-3) << friction << ' ' << i;
+    }
+    EXPECT_GT(slips, 100) << friction;
   }
 }
 
@@ -160,6 +190,57 @@ TEST_F(PlaybackInGrooves, GiveTheUserTheCreditOnlyOnce) {
   }
   // The credit, and a tenth of it for each later touch.
   EXPECT_LT(hand.work, 0.04 * (1 + 0.1 * (kTouches - 1)) + 0.005);
+}
+
+// Ways through a groove leave the object and touch it again.
+TEST_F(PlaybackInGrooves, GiveTheUserAtMostTheCreditAtAnyFriction) {
+  for (const double friction : {0.0, 0.05, 0.1, 0.2, 0.5, 1.0}) {
+    const Playback playback(with_friction(friction));
+    std::mt19937 random(17);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (int i = 0; i < 50; ++i) {
+      const double highest = -CreaseProfile::kDepth + 2.5;
+      const Pressing at =
+          random_pressing(model, query, profile, 2.5 + 2 * uniform(random), random, highest);
+      Hand hand(playback, at.outside);
+      hand.go(at.pressed, kTick);
+      for (int leg = 0; leg < 3; ++leg) {
+        const Eigen::Vector3d way(uniform(random), uniform(random), uniform(random));
+        hand.go(hand.tool + 4 * way, kTick);
+      }
+      hand.go(hand.tool + 30 * Eigen::Vector3d::UnitZ(), kTick);
+      if (!hand.last.force.isZero(0)) continue;
+      EXPECT_LT(hand.work, 0.05) << friction << ' ' << i;  // [N mm]
+    }
+  }
+}
+
+// A fitted field is far stiffer where no one has pressed than where one has.
+TEST_F(PlaybackInGrooves, ChangeTheForceByTheStiffnessThatIsFelt) {
+  constexpr double kStiffness = 2, kFarAway = 40, kFarWeight = 4, kFarEpsilon = 0.2;
+  Model stiff = model;
+  for (ContactModel& contact : stiff.contacts) {
+    contact.field.bases.push_back({kFarWeight, kFarEpsilon, {0, 0, kFarAway}});
+  }
+  constexpr double kDepth = 5;  // [mm]
+  const double added = kFarWeight / (kFarAway - 2 * kDepth);
+  const double most = PlaybackOptions{}.largest_jump + (kStiffness + added) * kTick;
+  ASSERT_LT(most, 0.2);
+  int limited = 0;
+  for (const double friction : {0.05, 0.5}) {
+    for (ContactModel& contact : stiff.contacts) contact.friction = friction;
+    const Playback playback(stiff);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (int i = 0; i < 100; ++i) {
+      const Pressing at = random_pressing(model, query, profile, kDepth * uniform(random), random);
+      Hand hand(playback, at.outside);
+      work_of_loop(hand, at, 15 * uniform(random));
+      EXPECT_LE(hand.largest_change, most) << friction << ' ' << i;
+      limited += hand.largest_change > PlaybackOptions{}.largest_jump;
+    }
+  }
+  EXPECT_GT(limited, 0);
 }
 
 }  // namespace

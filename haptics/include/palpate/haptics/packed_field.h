@@ -75,9 +75,6 @@ class PackedField {
   /// How forces depend on the rate; empty if they do not.
   [[nodiscard]] std::span<const RateTerm> rate() const noexcept { return rate_; }
 
-  /// [N/mm] No contact's own force changes faster with the displacement: the largest sum of
-  /// |weight| / epsilon over its bases, with what depends on the rate.
-  [[nodiscard]] double stiffness_bound() const noexcept { return stiffness_bound_; }
   [[nodiscard]] std::uint64_t id() const noexcept { return id_; }
   [[nodiscard]] const BlendedField& blended() const noexcept { return blended_; }
 
@@ -104,7 +101,6 @@ class PackedField {
   std::vector<std::array<double, PlaceField::kConstants>> constants_;  // by contact
   std::vector<Eigen::Matrix3d> local_to_pressing_;                     // by contact
   double reach_ = 0, friction_force_ = 0;
-  double stiffness_bound_ = 0;
   std::vector<RateTerm> rate_;
   std::uint64_t id_;
   bool by_compliance_ = false;

@@ -69,12 +69,14 @@ struct LoopState {
   TouchPoint proxy;
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();   ///< [mm] the last usable position
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] the last command
-  int faulty_ticks = 0;                             ///< in a row until now
-  double work = 0;                                  ///< [N mm] by the user, with the credit
-  SlipMemory slip;                                  ///< of the last slip of this touch
-  std::uint64_t playback = 0;                       ///< whose state this is
-  DelayedDisplacements delayed;                     ///< of the contact; with a rate only
-  bool has_place = false;                           ///< whether `place` is that of the contact
+  /// [N] of the contact in the last tick, on the object, before limits.
+  Eigen::Vector3d contact_force = Eigen::Vector3d::Zero();
+  int faulty_ticks = 0;          ///< in a row until now
+  double work = 0;               ///< [N mm] by the user, with the credit
+  SlipMemory slip;               ///< of the last slip of this touch
+  std::uint64_t playback = 0;    ///< whose state this is
+  DelayedDisplacements delayed;  ///< of the contact; with a rate only
+  bool has_place = false;        ///< whether `place` is that of the contact
   PlaceField place;
 };
 
