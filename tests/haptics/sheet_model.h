@@ -3,9 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "haptics_testing.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/rotation.h"
 
@@ -32,6 +35,29 @@ inline geometry::TriangleMesh flat_surface(double half_size = 50, int cells = 10
     mesh.triangles.col(2 * i + 1) << corner + 1, corner + side, corner + side + 1;
   }
   return mesh;
+}
+
+/// The flat surface with contacts on a grid of this spacing [mm], with the fields of their places.
+inline Model grid_model(double spacing,
+                        const std::function<ForceField(double x, double y)>& field) {
+  Model model;
+  model.surface = flat_surface();
+  std::vector<geometry::SurfacePoint> points;
+  const geometry::SurfaceQuery query(model.surface);
+  for (double y = -42; y <= 42; y += spacing) {
+    for (double x = -42; x <= 42; x += spacing) {
+      ContactModel contact;
+      contact.id = static_cast<long long>(model.contacts.size());
+      contact.position << x, y, 700;
+      contact.field = field(x, y);
+      points.push_back(query.closest_point(contact.position).at);
+      model.contacts.push_back(contact);
+    }
+  }
+  geometry::ContactTriangulation found = geometry::triangulate_contacts(model.surface, points);
+  model.triangles = found.mesh.triangles;
+  model.surface_weights = found.weights;
+  return model;
 }
 
 /// The flat surface with four contacts at (+-30, +-30). Each field is one centred base, so that the

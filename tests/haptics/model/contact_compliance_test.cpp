@@ -32,24 +32,9 @@ double softness(double x) { return 1 - x * x / 3600; }
 // Contacts 14 mm apart on the flat surface, all fields of one shape: displacements for the same
 // force go with softness(x).
 Model stretched_model(double spacing = 14) {
-  Model model;
-  model.surface = flat_surface();
-  std::vector<geometry::SurfacePoint> points;
-  const geometry::SurfaceQuery query(model.surface);
-  for (double y = -42; y <= 42; y += spacing) {
-    for (double x = -42; x <= 42; x += spacing) {
-      ContactModel contact;
-      contact.id = static_cast<long long>(model.contacts.size());
-      contact.position << x, y, 700;
-      contact.field = ridges_along_axes({9, 12, 6}, softness(x) * Eigen::Vector3d(5, 14, 20));
-      points.push_back(query.closest_point(contact.position).at);
-      model.contacts.push_back(contact);
-    }
-  }
-  geometry::ContactTriangulation found = geometry::triangulate_contacts(model.surface, points);
-  model.triangles = found.mesh.triangles;
-  model.surface_weights = found.weights;
-  return model;
+  return grid_model(spacing, [](double x, double) {
+    return ridges_along_axes({9, 12, 6}, softness(x) * Eigen::Vector3d(5, 14, 20));
+  });
 }
 
 Eigen::Vector3d true_force(double x, const Eigen::Vector3d& displacement) {

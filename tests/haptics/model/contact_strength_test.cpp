@@ -28,26 +28,7 @@ ForceField field_at(double x, double y) {
   return {{{0.8 * scale, 12.0}, {0.5 * scale, 3.0, {0, 0, 8}}}};
 }
 
-Model hump_model(double spacing) {
-  Model model;
-  model.surface = flat_surface();
-  std::vector<geometry::SurfacePoint> points;
-  const geometry::SurfaceQuery query(model.surface);
-  for (double y = -42; y <= 42; y += spacing) {
-    for (double x = -42; x <= 42; x += spacing) {
-      ContactModel contact;
-      contact.id = static_cast<long long>(model.contacts.size());
-      contact.position << x, y, 700;
-      contact.field = field_at(x, y);
-      points.push_back(query.closest_point(contact.position).at);
-      model.contacts.push_back(contact);
-    }
-  }
-  geometry::ContactTriangulation found = geometry::triangulate_contacts(model.surface, points);
-  model.triangles = found.mesh.triangles;
-  model.surface_weights = found.weights;
-  return model;
-}
+Model hump_model(double spacing) { return grid_model(spacing, field_at); }
 
 double worst_error_of_hump(const Model& model) {
   const BlendedField field(model);
