@@ -55,6 +55,8 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
 set(python_depends "${own}, python3-numpy, python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python})")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS libopencv-dev)
+# What draws pictures where there is no display.
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "xvfb, libgl1-mesa-dri, fonts-dejavu-core")
 file(WRITE ${PROJECT_BINARY_DIR}/packages/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARIES_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/packages/triggers)
 
