@@ -60,6 +60,7 @@ TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
   contact.frame = rotation_between(before.col(2), z) * before;
   contact.friction_axis = (S * contact.friction_axis).normalized();
   contact.compliance.reset();  // it belonged to the old field
+  contact.strength.reset();
   contact.uncertainty.reset();
   if (forces == ForceScaling::feel) {
     contact = rounded(std::move(contact));

@@ -79,6 +79,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
     turn(contact, at, corners, rotations);
     scale_forces(contact, map.scale, options.forces);
     contact.compliance.reset();  // it belonged to the old surface
+    contact.strength.reset();
     contact.uncertainty.reset();
     contact = rounded(std::move(contact));
     if (map.distorted[at.triangle]) result.distorted.push_back(contact.id);

@@ -119,10 +119,6 @@ double strength_factor(const std::vector<ContactModel>& contacts, std::span<cons
     change += weights[k] * contact.strength->trend.dot(steps_of_trend(
                                axes * (middle.position - contact.position), axes * middle.beyond));
   }
-  return strength_factor(mean, change);
-}
-
-double strength_factor(double mean, double change) noexcept {
   return mean > 0 ? 1 + std::clamp(change / mean, -kMaxChange, kMaxChange) : 1;
 }
 

@@ -52,9 +52,6 @@ using Compliance = Eigen::Vector<double, 6>;
                                      std::span<const int> indices, std::span<const double> weights,
                                      const Eigen::Vector3d& place, double reach) noexcept;
 
-/// 1 + `change` / `mean`, with the change limited to kMaxChange of the mean; 1 without a mean.
-[[nodiscard]] double strength_factor(double mean, double change) noexcept;
-
 /// Relative to the weighted mean of the contacts' compliances: a place is at most four times as
 /// stiff as the mean, and its compliance stays positive.
 inline constexpr double kMaxChange = 0.75;

@@ -11,6 +11,7 @@
 #include "model_testing.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/contact_strength.h"
 #include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
@@ -188,6 +189,16 @@ TEST(ScaleModel, StaysConvexAndInShortNumbersAlongAnAxis) {
     EXPECT_EQ(contact.passivity, Passivity::convex);
     EXPECT_FALSE(contact.chi2 || contact.condition);  // not known of another field
   }
+}
+
+TEST(ScaleModel, KeepsWhatStrengthsSayBetweenContacts) {
+  const Model model = with_strengths(sheet_model(), 2);
+  const Model scaled = scale_model(model, {.factor = 2}).model;
+  EXPECT_EQ(scaled.interpolation.rule, BlendRule::forces);
+  EXPECT_NEAR(scaled.interpolation.reference_depth, 4, 1e-12);
+  // Forces of the same material go with the square of its size.
+  for (std::size_t i = 0; i < model.contacts.size(); ++i)
+    EXPECT_NEAR(scaled.contacts[i].strength->value, 4 * model.contacts[i].strength->value, 1e-5);
 }
 
 TEST(ScaleModel, ForgetsCompliancesThatNobodyBlends) {
