@@ -717,6 +717,51 @@ def merge_models(
     same_place: float | None = ...,
 ) -> MergedModel: ...
 
+class ReducedModel(_Result):
+    @property
+    def model(self) -> Model: ...
+    @property
+    def out_of_reach(self) -> list[int]: ...
+    @property
+    def predicted(self) -> list[int]: ...
+    @property
+    def simpler_fields(self) -> int: ...
+    @property
+    def surface_distance(self) -> float: ...
+    @property
+    def difference(self) -> float: ...
+    @property
+    def force_rms(self) -> float: ...
+    @property
+    def allowed(self) -> float: ...
+    @property
+    def raised(self) -> float: ...
+    @property
+    def stated_before(self) -> float | None: ...
+    @property
+    def stated_after(self) -> float | None: ...
+    @property
+    def size_before(self) -> float: ...
+    @property
+    def size_after(self) -> float: ...
+
+def reduce_model(
+    model: Model,
+    *,
+    reachable: Sequence[bool] | _Bool | None = ...,
+    progress: _Progress = ...,
+    max_error: float | None = ...,
+    max_relative_error: float | None = ...,
+    max_surface_error: float | None = ...,
+    max_size: float | None = ...,
+    largest_force: float | None = ...,
+    largest_depth: float | None = ...,
+    slip: bool = ...,
+    keep_shapes: bool = ...,
+    strokes: int = ...,
+    seed: int = ...,
+) -> ReducedModel: ...
+
 _Forces = Literal["material", "forces", "feel"]
 
 def scale_model(

@@ -11,6 +11,7 @@
 #include "fields.h"
 #include "palpate/geometry/surface_map.h"
 #include "palpate/haptics/merge_models.h"
+#include "palpate/haptics/reduce_model.h"
 #include "palpate/haptics/scale_model.h"
 #include "palpate/haptics/transfer_model.h"
 
@@ -23,6 +24,7 @@ using haptics::ForceScaling;
 using haptics::MergedModel;
 using haptics::MergeModelsOptions;
 using haptics::Model;
+using haptics::ReducedModel;
 
 ForceScaling scaling(const std::string& word) {
   return choose<ForceScaling>("forces", word,
@@ -82,6 +84,61 @@ Raises InvalidInput or SolverError. Ctrl-C is not heard.)",
         return haptics::merge_models(sides, options);
       },
       arg("models"), kw_only(), arg("poses") = py::tuple(), doc.c_str());
+}
+
+void add_reduction(py::module_& module) {
+  py::class_<ReducedModel>(module, "ReducedModel", "The result of reduce_model().")
+      .def_property_readonly(
+          "model", [](const ReducedModel& reduced) { return reduced.model; }, "The model (a copy).")
+      .def_readonly("out_of_reach", &ReducedModel::out_of_reach,
+                    "Ids of contacts without influence where the tool can be.")
+      .def_readonly("predicted", &ReducedModel::predicted,
+                    "Ids of contacts that the others predict.")
+      .def_readonly("simpler_fields", &ReducedModel::simpler_fields,
+                    "Number of fields with fewer bases than before.")
+      .def_readonly("surface_distance", &ReducedModel::surface_distance,
+                    "[mm] bound of the distance between the surfaces.")
+      .def_property_readonly(
+          "difference", [](const ReducedModel& reduced) { return reduced.difference.rms; },
+          "[N] RMS difference of the forces of both models over random presses and drags.")
+      .def_readonly("force_rms", &ReducedModel::force_rms, "[N] RMS of the forces there.")
+      .def_readonly("allowed", &ReducedModel::allowed, "[N] RMS difference that was allowed.")
+      .def_readonly("raised", &ReducedModel::raised,
+                    "How many times larger errors had to be than those asked for.")
+      .def_readonly("stated_before", &ReducedModel::stated_before,
+                    "[N] RMS of the errors that the model states there, or None.")
+      .def_readonly("stated_after", &ReducedModel::stated_after,
+                    "[N] the same of the reduced model.")
+      .def_readonly("size_before", &ReducedModel::size_before, "[bytes] of the model folder.")
+      .def_readonly("size_after", &ReducedModel::size_after,
+                    "[bytes] of that of the reduced model.");
+  haptics::ReduceOptions usual;
+  const std::string doc = described(
+      "reduce_model(model: Model, *, reachable: ArrayLike | None = None, progress: Callable | None "
+      "= "
+      "None",
+      "ReducedModel",
+      R"(Makes a smaller model that holds only what a scene requires, as `palpate reduce` does.
+
+reachable: a truth value for each vertex of the surface; without it, the tool can be anywhere.
+progress: called as progress(done, total) after each model that is tried; Ctrl-C is heard then.
+Raises InvalidInput.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "reduce_model",
+      [](const Model& model, const std::optional<std::vector<bool>>& reachable,
+         const py::object& progress, const py::kwargs& keywords) {
+        haptics::ReduceOptions options;
+        set_fields(fields_of(options), keywords);
+        if (reachable) options.reachable = *reachable;
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run([&] { return haptics::reduce_model(model, options); });
+      },
+      arg("model"), kw_only(), arg("reachable") = py::none(), arg("progress") = py::none(),
+      doc.c_str());
 }
 
 void add_scaling(py::module_& module) {
@@ -161,6 +218,7 @@ Raises InvalidInput or SolverError.)");
 
 void add_derived_models(py::module_& module) {
   add_merging_of_models(module);
+  add_reduction(module);
   add_scaling(module);
   add_transfer(module);
 }

@@ -50,6 +50,22 @@ class DerivedModels(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "max_distance is -1"):
             palpate.merge_models([self.model], max_distance=-1)
 
+    def test_a_reduced_model_differs_by_no_more_than_allowed(self):
+        left = self.model.surface.vertices[:, 0] < 10
+        reduced = palpate.reduce_model(self.model, reachable=left, max_error=0.4, strokes=1000)
+        self.assertLess(len(reduced.model.contacts), len(self.model.contacts))
+        self.assertEqual(len(reduced.model.contacts) + len(reduced.out_of_reach) + len(reduced.predicted),
+                         len(self.model.contacts))
+        self.assertLessEqual(reduced.difference, reduced.allowed)
+        self.assertLess(reduced.size_after, reduced.size_before)
+        inside = self.contacts[self.contacts[:, 0] < 0]
+        press = np.tile([0, 0, 1.5], (len(inside), 1))
+        np.testing.assert_allclose(self.force(reduced.model, inside, press), self.force(self.model, inside, press), atol=0.4)
+        with self.assertRaisesRegex(palpate.InvalidInput, "reachable has 2 values"):
+            palpate.reduce_model(self.model, reachable=[True, False])
+        with self.assertRaisesRegex(palpate.InvalidInput, "max_error is -1"):
+            palpate.reduce_model(self.model, max_error=-1)
+
     def test_the_feel_goes_to_the_same_surface_elsewhere(self):
         surface = self.model.surface
         target = palpate.TriangleMesh(surface.vertices @ POSE[:3, :3].T + POSE[:3, 3], surface.triangles)

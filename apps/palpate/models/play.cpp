@@ -247,7 +247,7 @@ void add_play(CLI::App& app, const Settings& settings) {
       "play", "Compute the forces along a tool's path over a model, as in the haptic loop");
   command
       ->add_option("MODEL", call->model,
-                   "Model folder; or a scene file (JSON) of several objects and tools "
+                   "Model folder; or a scene file (JSON or YAML) of several objects and tools "
                    "(docs/devices.md)")
       ->required();
   command->add_option(

@@ -64,6 +64,7 @@ void add_path(CLI::App& app, const Settings& settings);
 void add_pattern(CLI::App& app, const Settings& settings);
 void add_play(CLI::App& app, const Settings& settings);
 void add_probe(CLI::App& app, const Settings& settings);
+void add_reduce(CLI::App& app, const Settings& settings);
 void add_run(CLI::App& app, const Settings& settings);
 void add_simulate(CLI::App& app, const Settings& settings);
 void add_track(CLI::App& app, const Settings& settings);

@@ -43,7 +43,8 @@ void add_commands(CLI::App& app, const Settings& settings) {
   add_group(app, settings, "Meshes, point clouds and sequences",
             {add_mesh, add_cloud, add_path, add_fuse, add_track, add_compare});
   add_group(app, settings, "From measurements to models",
-            {add_probe, add_bake, add_fit, add_merge, add_transfer, add_identify, add_evaluate});
+            {add_probe, add_bake, add_fit, add_merge, add_reduce, add_transfer, add_identify,
+             add_evaluate});
   add_group(app, settings, "Feeling and showing models", {add_play, add_export});
   refuse_empty_values(app);
 }

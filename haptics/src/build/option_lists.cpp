@@ -7,6 +7,7 @@
 #include "palpate/haptics/identify.h"
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/playback.h"
+#include "palpate/haptics/reduce_model.h"
 
 namespace palpate::haptics {
 
@@ -21,6 +22,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(identification, visitor);
   MergeModelsOptions merging;
   visit(merging, visitor);
+  ReduceOptions reduction;
+  visit(reduction, visitor);
   PlaybackOptions playback;
   visit(playback, visitor);
 }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/document_fields.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace palpate::haptics {
@@ -67,12 +66,7 @@ class DocumentReader : public FieldVisitor {
 void read_fields(const DocumentNode& node, const FieldList& fields) {
   DocumentReader reader(node);
   fields(reader);
-  for (const std::string& name : node.names()) {
-    if (std::ranges::find(reader.names, name) != reader.names.end()) continue;
-    std::string known;
-    for (const std::string& each : reader.names) known += (known.empty() ? "" : ", ") + each;
-    node.at(name.c_str()).refuse("only " + known);
-  }
+  node.expect_only(reader.names);
 }
 
 }  // namespace palpate::haptics

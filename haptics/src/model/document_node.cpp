@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/document_node.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -78,11 +79,16 @@ std::vector<DocumentNode> DocumentNode::items() const {
   return result;
 }
 
-std::vector<std::string> DocumentNode::names() const {
+void DocumentNode::expect_only(std::span<const std::string> known) const {
   if (!value_->is_object()) refuse("an object");
-  std::vector<std::string> result;
-  for (const auto& [key, member] : value_->items()) result.push_back(key);
-  return result;
+  for (const auto& [name, value] : value_->items()) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    std::string list;
+    for (const std::string& each : known) list.append(list.empty() ? "" : ", ").append(each);
+    std::string pointer = part_->pointer;
+    append_pointer(*value_, part_->value, pointer);
+    haptics::refuse(pointer, "the member '" + name + "'", "only " + list);
+  }
 }
 
 double DocumentNode::number() const {
@@ -127,8 +133,8 @@ bool DocumentNode::truth() const {
   return value_->get<bool>();
 }
 
-const std::string& DocumentNode::text() const {
-  if (!value_->is_string()) refuse("a string");
+const std::string& DocumentNode::text(const std::string& right) const {
+  if (!value_->is_string()) refuse(right);
   return value_->get_ref<const std::string&>();
 }
 

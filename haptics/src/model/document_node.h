@@ -37,8 +37,8 @@ class DocumentNode {
   /// Nullopt if there is no such member.
   [[nodiscard]] std::optional<DocumentNode> find(const char* key) const;
   [[nodiscard]] std::vector<DocumentNode> items() const;
-  /// Of the members of an object.
-  [[nodiscard]] std::vector<std::string> names() const;
+  /// Refuses an object with another member than these.
+  void expect_only(std::span<const std::string> known) const;
 
   /// Finite and at most `kLargestNumber` in size.
   [[nodiscard]] double number() const;
@@ -49,7 +49,8 @@ class DocumentNode {
   [[nodiscard]] long long integer() const;
   [[nodiscard]] int integer_between(int lowest, int highest) const;
   [[nodiscard]] bool truth() const;
-  [[nodiscard]] const std::string& text() const;
+  [[nodiscard]] const std::string& text() const { return text("a string"); }
+  [[nodiscard]] const std::string& text(const std::string& right) const;
   void expect_text(const std::string& right) const;
   /// The position of a text among `words`.
   [[nodiscard]] std::size_t choice(std::span<const char* const> words) const;

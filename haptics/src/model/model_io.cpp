@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <ostream>
+#include <streambuf>
 #include <string>
 
 #include "model/field_document.h"
@@ -106,6 +107,28 @@ Model read_document(const fs::path& folder) {
   }
 }
 
+ModelEncoding usual_encoding(const Model& model) {
+  return model.contacts.size() > kMaxJsonContacts ? ModelEncoding::cbor : ModelEncoding::json;
+}
+
+/// Counts what is written, and forgets it.
+class CountedBytes : public std::streambuf {
+ public:
+  [[nodiscard]] std::streamsize count() const { return count_; }
+
+ private:
+  std::streamsize xsputn(const char* /*text*/, std::streamsize length) override {
+    count_ += length;
+    return length;
+  }
+  int_type overflow(int_type character) override {
+    ++count_;
+    return traits_type::not_eof(character);
+  }
+
+  std::streamsize count_ = 0;
+};
+
 }  // namespace
 
 Model read_model(const fs::path& folder) {
@@ -136,8 +159,7 @@ std::vector<fs::path> model_entries() {
 void write_model(const fs::path& folder, const Model& model,
                  std::optional<ModelEncoding> encoding) {
   check_model(model);
-  const ModelEncoding chosen = encoding.value_or(
-      model.contacts.size() > kMaxJsonContacts ? ModelEncoding::cbor : ModelEncoding::json);
+  const ModelEncoding chosen = encoding.value_or(usual_encoding(model));
   write_folder(folder, model_entries(), [&](const fs::path& temporary) {
     write_surface(temporary / kSurfaceFile, model);
     // Redundant copy of the triangles in the document, for mesh viewers.
@@ -152,6 +174,24 @@ void write_model(const fs::path& folder, const Model& model,
     write_file(temporary / (is_text ? kDocument : kBinaryDocument),
                [&](std::ostream& out) { write_field_document(out, model, chosen); });
   });
+}
+
+double folder_size(const Model& model) {
+  check_model(model);
+  constexpr double kPlyHeader = 512, kFace = 1 + 3 * sizeof(std::int32_t);
+  constexpr double kPlace = 3 * sizeof(double),
+                   kWeights = 3 * (sizeof(std::int32_t) + sizeof(double));
+  double size = kPlyHeader +
+                (kPlace + kWeights) * static_cast<double>(model.surface.vertices.cols()) +
+                kFace * static_cast<double>(model.surface.triangles.cols());
+  if (model.triangles.cols() > 0)
+    size += kPlyHeader + kPlace * static_cast<double>(model.contacts.size()) +
+            kFace * static_cast<double>(model.triangles.cols());
+  if (model.response) size += static_cast<double>(surface_response_size(*model.response));
+  CountedBytes bytes;
+  std::ostream out(&bytes);
+  write_field_document(out, model, usual_encoding(model));
+  return size + static_cast<double>(bytes.count());
 }
 
 void write_field_document(const fs::path& path, const Model& model, ModelEncoding encoding) {

@@ -37,6 +37,20 @@ std::uint64_t body_size(const Header& header) {
          (std::uint64_t{16} + std::uint64_t{6} * header.nodes) * header.shapes;
 }
 
+Header header_of(const SurfaceResponse& response) {
+  Header header;
+  header.vertices = static_cast<std::uint32_t>(response.nodes.cols());
+  header.nodes = static_cast<std::uint32_t>(response.responses.rows() / 9);
+  header.contacts = static_cast<std::uint32_t>(response.responses.cols());
+  header.shapes = static_cast<std::uint32_t>(response.shape_contacts.size());
+  header.rms = response.rms;
+  header.largest = response.largest;
+  header.reach = response.reach;
+  header.kept_rms = response.kept_rms;
+  header.kept_largest = response.kept_largest;
+  return header;
+}
+
 template <typename Matrix>
 void put(std::ostream& out, const Matrix& matrix) {
   out.write(reinterpret_cast<const char*>(matrix.data()),
@@ -99,17 +113,12 @@ SurfaceResponse read_surface_response(const std::filesystem::path& path) {
   return response;
 }
 
+std::uint64_t surface_response_size(const SurfaceResponse& response) {
+  return sizeof(Header) + body_size(header_of(response));
+}
+
 void write_surface_response(const std::filesystem::path& path, const SurfaceResponse& response) {
-  Header header;
-  header.vertices = static_cast<std::uint32_t>(response.nodes.cols());
-  header.nodes = static_cast<std::uint32_t>(response.responses.rows() / 9);
-  header.contacts = static_cast<std::uint32_t>(response.responses.cols());
-  header.shapes = static_cast<std::uint32_t>(response.shape_contacts.size());
-  header.rms = response.rms;
-  header.largest = response.largest;
-  header.reach = response.reach;
-  header.kept_rms = response.kept_rms;
-  header.kept_largest = response.kept_largest;
+  const Header header = header_of(response);
   write_file(path, [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(&header), sizeof(header));
     put(out, response.nodes);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "palpate/haptics/surface_response.h"
@@ -13,5 +14,8 @@ namespace palpate::haptics {
 [[nodiscard]] SurfaceResponse read_surface_response(const std::filesystem::path& path);
 /// \throws OutputError.
 void write_surface_response(const std::filesystem::path& path, const SurfaceResponse& response);
+
+/// [bytes] of that file.
+[[nodiscard]] std::uint64_t surface_response_size(const SurfaceResponse& response);
 
 }  // namespace palpate::haptics

@@ -5,18 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
-#include <initializer_list>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include "model/document_fields.h"
+#include "model/document_file.h"
 #include "model/document_node.h"
 #include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
@@ -27,20 +24,14 @@ namespace {
 
 using nlohmann::json;
 
+// `require` is for those who make models (scene_requirement.h).
+const std::vector<std::string> kScene{"objects",       "tools",      "near_tools",
+                                      "closest_tools", "fade_ticks", "rate"};
+const std::vector<std::string> kObject{"name", "model", "pose", "path", "playback", "require"};
+const std::vector<std::string> kTool{"name", "trajectory"};
 constexpr std::array<const char*, 3> kRules = {"independent", "fade", "refuse"};
 constexpr int kMostFadeTicks = 1'000'000;
 constexpr double kPoseOfFile = 1e-6;  // of the entries of R^T R
-
-void refuse_others(const json& object, const std::string& pointer,
-                   std::initializer_list<std::string_view> known) {
-  if (!object.is_object()) return;  // refused where its members are read
-  for (const auto& [name, value] : object.items()) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    std::string list;
-    for (const std::string_view each : known) list.append(list.empty() ? "" : ", ").append(each);
-    refuse(pointer, "the member '" + name + "'", "only " + list);
-  }
-}
 
 // Names become names of files and cells of CSV files.
 std::string name_of(const DocumentNode& node, std::set<std::string>& names) {
@@ -77,8 +68,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
   const DocumentPart part{document, ""};
   const DocumentNode root(part);
   SceneFile scene;
-  refuse_others(part.value, "",
-                {"objects", "tools", "near_tools", "closest_tools", "fade_ticks", "rate"});
+  root.expect_only(kScene);
   if (const auto rule = root.find("near_tools"))
     scene.options.near_tools = static_cast<NearTools>(rule->choice(kRules));
   if (const auto closest = root.find("closest_tools"))
@@ -94,8 +84,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
   if (objects.empty()) root.at("objects").refuse("at least one object");
   if (tools.empty()) root.at("tools").refuse("at least one tool");
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    refuse_others(part.value["objects"][i], "/objects/" + std::to_string(i),
-                  {"name", "model", "pose", "path", "playback"});
+    objects[i].expect_only(kObject);
     scene.objects.push_back(name_of(objects[i], object_names));
     scene.models.push_back(folder / objects[i].at("model").text());
     scene.motion.objects.push_back(path_of(objects[i], scene, folder));
@@ -104,7 +93,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
       read_fields(*playback, fields_of(scene.playback.back()));
   }
   for (std::size_t i = 0; i < tools.size(); ++i) {
-    refuse_others(part.value["tools"][i], "/tools/" + std::to_string(i), {"name", "trajectory"});
+    tools[i].expect_only(kTool);
     scene.tools.push_back(name_of(tools[i], tool_names));
     const auto trajectory = tools[i].find("trajectory");
     scene.trajectories.push_back(trajectory ? folder / trajectory->text()
@@ -122,13 +111,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
 }  // namespace
 
 SceneFile read_scene(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file.good() && !file.eof()) {
-    throw FileError(path.string() + ": cannot be read; pass a scene file (JSON)");
-  }
-  const json document = json::parse(text, nullptr, false);
-  if (document.is_discarded()) throw FileError(path.string() + ": is not JSON");
+  const json document = read_document_file(path);
   try {
     SceneFile scene = scene_of(document, path.parent_path());
     scene.sources.push_back(path);

@@ -30,14 +30,14 @@ const std::vector<Ball> kBalls = {
     {5, 0.4, {{0.15, 0.397, 0.069}, {0.5, 0.884, 0.242}, {1.1, 1.434, 0.520}}},
 };
 
-const probing::Contact kContact{1, {0, 0, 700}, {0, 0, -1}};
+const probing::Contact kConeContact{1, {0, 0, 700}, {0, 0, -1}};
 
 // Bisections of the tangential force to `kInterval` in eight directions.
 probing::Acquisition slides(const Ball& ball) {
   constexpr int kDirections = 8;
   constexpr double kInterval = 0.02;  // [N]
   probing::Acquisition result;
-  result.contacts = {kContact};
+  result.contacts = {kConeContact};
   result.probe_radius = ball.radius;
   for (const Press& press : ball.presses) {
     for (int i = 0; i < kDirections; ++i) {
@@ -47,10 +47,10 @@ probing::Acquisition slides(const Ball& ball) {
       while (slipped - held > kInterval) {
         const double tried = (held + slipped) / 2;
         const bool slips = tried > press.limit;
-        const Eigen::Vector3d a = kContact.position - press.depth * kContact.normal;
+        const Eigen::Vector3d a = kConeContact.position - press.depth * kConeContact.normal;
         result.samples.push_back({.id = static_cast<long long>(result.samples.size()),
-                                  .contact = kContact.id,
-                                  .force = tried * across - press.normal * kContact.normal,
+                                  .contact = kConeContact.id,
+                                  .force = tried * across - press.normal * kConeContact.normal,
                                   .a = a,
                                   .b = a,
                                   .slipped = slips});

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 // 7 x 7 contacts in the middle of a flat square, which has 2 cells^2 triangles.
-Model grid_model(double spacing, double half_size, int cells) {
+Model coarse_grid_model(double spacing, double half_size, int cells) {
   Model model;
   model.surface = flat_surface(half_size, cells);
   model.contacts.resize(49);
@@ -35,7 +35,7 @@ std::vector<geometry::SurfacePoint> refine(Model& model) {
 // circumradius, that within the triangles of the surface by a quarter of the square of their edges.
 TEST(RefineSurface, LetsWeightsFollowTheContactsOnASurfaceOfTwoTriangles) {
   constexpr double kSpacing = 14;
-  Model model = grid_model(kSpacing, 60, 1);
+  Model model = coarse_grid_model(kSpacing, 60, 1);
   const std::vector<geometry::SurfacePoint> places = refine(model);
   const geometry::ContactLocator locator(
       model.surface, places, geometry::triangulate_contacts(model.surface, places).weights);
@@ -55,7 +55,7 @@ TEST(RefineSurface, LetsWeightsFollowTheContactsOnASurfaceOfTwoTriangles) {
 }
 
 TEST(RefineSurface, LeavesTrianglesLargeFarFromContacts) {
-  Model model = grid_model(1, 1000, 1);
+  Model model = coarse_grid_model(1, 1000, 1);
   refine(model);
   int near = 0, far = 0;
   for (const auto& vertex : model.surface.vertices.colwise())
@@ -65,7 +65,7 @@ TEST(RefineSurface, LeavesTrianglesLargeFarFromContacts) {
 }
 
 TEST(RefineSurface, LeavesASurfaceOfSmallTrianglesAsItIs) {
-  Model model = grid_model(14, 60, 30);
+  Model model = coarse_grid_model(14, 60, 30);
   const geometry::TriangleMesh given = model.surface;
   refine(model);
   EXPECT_EQ(model.surface.vertices, given.vertices);
@@ -74,7 +74,7 @@ TEST(RefineSurface, LeavesASurfaceOfSmallTrianglesAsItIs) {
 
 // The other side of a plate is near, but its contacts are others.
 TEST(RefineSurface, LooksAtContactsOnTheSameSideOfTheObject) {
-  Model model = grid_model(14, 60, 12);
+  Model model = coarse_grid_model(14, 60, 12);
   Eigen::Matrix3Xd directions = Vector3d::UnitZ().replicate(1, 98);
   for (int i = 0; i < 49; ++i) {
     ContactModel& contact =

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "following_surface.h"
 #include "model_testing.h"
 #include "not_finite.h"
 #include "palpate/geometry/mesh_io.h"
@@ -47,6 +48,20 @@ TEST(ModelIo, ReadsTheCompliancesThatWereWritten) {
   const ScratchFolder scratch;
   write_model(scratch / "model", model);
   expect_same(read_model(scratch / "model"), model);
+}
+
+TEST(ModelIo, KnowsTheSizeOfAFolderBeforeItIsWritten) {
+  FollowingSheet sheet;
+  sheet.model.response = sheet.fit();
+  for (const Model& model : {some_model(), sheet.model}) {
+    const ScratchFolder scratch;
+    write_model(scratch / "model", model);
+    double written = 0;
+    for (const auto& file : fs::recursive_directory_iterator(scratch / "model"))
+      if (file.is_regular_file()) written += static_cast<double>(file.file_size());
+    EXPECT_LE(written, folder_size(model));
+    EXPECT_GE(written, folder_size(model) - 1000);
+  }
 }
 
 TEST(ModelIo, ReadsTheStrengthsThatWereWritten) {

@@ -38,6 +38,10 @@ inline constexpr std::size_t kMaxJsonContacts = 10'000;
 void write_model(const std::filesystem::path& folder, const Model& model,
                  std::optional<ModelEncoding> encoding = std::nullopt);
 
+/// [bytes] An upper bound of the files of such a folder, at most 1 kB more than they have.
+/// \throws InvalidInput if `check_model` refuses.
+[[nodiscard]] double folder_size(const Model& model);
+
 /// Writes the document alone, to a file of any name.
 /// \throws InvalidInput if `check_model` refuses; OutputError.
 void write_field_document(const std::filesystem::path& path, const Model& model,

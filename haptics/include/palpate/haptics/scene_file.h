@@ -25,11 +25,13 @@ struct SceneFile {
   SceneOptions options;
 };
 
-/// Reads a scene: a JSON object with `objects` (each with `name`, `model` and either `pose`, the 12
-/// numbers of a 3 x 4 matrix row by row, or `path`, a file for `read_pose_path`, and optionally
-/// `playback`, an object of fields of `PlaybackOptions`), `tools` (each with `name` and, unless a
-/// device moves it, `trajectory`, a file for `read_trajectory_file`), and optionally `near_tools`,
-/// `closest_tools` [mm], `fade_ticks` and `rate` [Hz]. docs/devices.md has an example.
+/// Reads a scene, in JSON, or in YAML if the name ends in .yaml or .yml: an object with `objects`
+/// (each with `name`, `model` and either `pose`, the 12 numbers of a 3 x 4 matrix row by row, or
+/// `path`, a file for `read_pose_path`, and optionally `playback`, an object of fields of
+/// `PlaybackOptions`, and `require`, see scene_requirement.h), `tools` (each with `name` and,
+/// unless a device moves it, `trajectory`, a file for `read_trajectory_file`), and optionally
+/// `near_tools`, `closest_tools` [mm], `fade_ticks` and `rate` [Hz]. docs/devices.md has an
+/// example.
 /// \throws FileError naming the file, the member, what is wrong with it and what would be right.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& path);
 

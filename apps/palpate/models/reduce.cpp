@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/haptics/scene_requirement.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/field_options.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct ReduceCall {
+  fs::path model, scene, output;
+  std::optional<std::string> object;
+  haptics::ReduceOptions options;
+};
+
+// The options with what the scene requires of the model.
+haptics::ReduceOptions required(const ReduceCall& call, const haptics::Model& model) {
+  if (call.scene.empty()) return call.options;
+  const haptics::SceneRequirement of =
+      haptics::read_scene_requirement(call.scene, call.model, call.object);
+  haptics::ReduceOptions options = of.options;
+  options.strokes = call.options.strokes;
+  options.seed = call.options.seed;
+  try {
+    if (of.region) options.reachable = reachable_vertices(model.surface, *of.region);
+  } catch (const InvalidInput& wrong) {
+    throw InvalidInput(
+        fmt::format("{}: object '{}': {}", call.scene.string(), of.object, wrong.what()));
+  }
+  return options;
+}
+
+Json figures_of(const haptics::ReducedModel& reduced, std::size_t contacts) {
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  return {{"contacts", reduced.model.contacts.size()},
+          {"contacts_before", contacts},
+          {"out_of_reach", reduced.out_of_reach},
+          {"predicted", reduced.predicted},
+          {"simpler_fields", reduced.simpler_fields},
+          {"vertices", reduced.model.surface.vertices.cols()},
+          {"surface_distance", reduced.surface_distance},
+          {"difference",
+           {{"rms", reduced.difference.rms},
+            {"p90", reduced.difference.p90},
+            {"max", reduced.difference.max},
+            {"of_contacts", reduced.contacts_error},
+            {"of_contacts_and_surface", reduced.surface_error}}},
+          {"force_rms", reduced.force_rms},
+          {"allowed", reduced.allowed},
+          {"raised", reduced.raised},
+          {"stated_before", or_null(reduced.stated_before)},
+          {"stated_after", or_null(reduced.stated_after)},
+          {"bytes", std::llround(reduced.size_after)},
+          {"bytes_before", std::llround(reduced.size_before)}};
+}
+
+std::string in_words(const haptics::ReducedModel& reduced, std::size_t contacts) {
+  std::string stated;
+  if (reduced.stated_before && reduced.stated_after) {
+    stated = fmt::format("\nThe model stated an error of {} there; the reduced one states {}.",
+                         newtons(*reduced.stated_before, 3), newtons(*reduced.stated_after, 3));
+  }
+  return fmt::format(
+      "{} of {} contacts remain; out of reach: {}, predicted by the others: {}. {} fields got "
+      "fewer bases. The surface has {} vertices, and is at most {:.3g} mm away from the old one.\n"
+      "{:.0f} kB instead of {:.0f} kB.\n"
+      "Forces differ by {} (RMS; 90 % within {}, at most {}) from those of the full model, {} "
+      "(RMS); "
+      "{} was allowed.{}",
+      reduced.model.contacts.size(), contacts, reduced.out_of_reach.size(),
+      reduced.predicted.size(), reduced.simpler_fields, reduced.model.surface.vertices.cols(),
+      reduced.surface_distance, reduced.size_after / 1e3, reduced.size_before / 1e3,
+      newtons(reduced.difference.rms, 3), newtons(reduced.difference.p90, 3),
+      newtons(reduced.difference.max, 2), newtons(reduced.force_rms, 2),
+      newtons(reduced.allowed, 3), stated);
+}
+
+void reduce(const Settings& settings, const ReduceCall& call) {
+  check_output_folder({call.model, call.scene}, call.output);
+  check_replaceable(call.output, haptics::model_entries());
+  const haptics::Model model = haptics::read_model(call.model);
+  haptics::ReduceOptions options = required(call, model);
+  options.progress = shown_as("Reducing");
+  haptics::ReducedModel reduced = haptics::reduce_model(model, options);
+  reduced.model.made["reduced"] =
+      fmt::format("from {} contacts; forces differ by {} (RMS)", model.contacts.size(),
+                  newtons(reduced.difference.rms, 3));
+  haptics::write_model(call.output, reduced.model);
+  if (reduced.raised > 1) {
+    spdlog::warn(
+        "not everything that was asked for can hold: the allowed errors were raised by a factor of "
+        "{:.2f}.",
+        reduced.raised);
+  }
+  Json figures = figures_of(reduced, model.contacts.size());
+  figures["file"] = call.output.string();
+  print(settings, figures,
+        fmt::format("{}\nWritten to {}", in_words(reduced, model.contacts.size()),
+                    call.output.string()));
+}
+
+}  // namespace
+
+void add_reduce(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<ReduceCall>();
+  CLI::App* command =
+      app.add_subcommand("reduce", "Make a smaller model that holds only what a scene requires");
+  command->add_option("MODEL", call->model, "Model folder")->required();
+  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  CLI::Option* scene = command->add_option(
+      "--scene", call->scene,
+      "Scene file (YAML or JSON) that says under 'require' what is needed of the model, also the "
+      "region that the tool can reach");
+  command
+      ->add_option("--object", call->object,
+                   "Name of the object of the scene (default: the one that has this model)")
+      ->needs(scene);
+  for (CLI::Option* option : add_fields(*command, fields_of(call->options)))
+    if (option->get_group() != kExpertOptions) option->excludes(scene);
+  command->footer(
+      "The smaller model has no contacts that are out of reach or that the others predict, fields "
+      "with "
+      "fewer bases, and a surface with fewer triangles. Random presses and drags are played with "
+      "both "
+      "models to measure how much the forces differ.\n"
+      "Examples:\n  palpate reduce model/ --max-error 0.2 -o small/\n"
+      "  palpate reduce model/ --max-size 200000 -o small/\n"
+      "  palpate reduce model/ --scene scene.yaml -o small/");
+  command->callback([call, &settings] { reduce(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,346 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/reduce_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "build/contact_subset.h"
+#include "build/reduced_response.h"
+#include "build/reduced_uncertainty.h"
+#include "build/simpler_fields.h"
+#include "build/strokes.h"
+#include "build/thinning.h"
+#include "palpate/core/error.h"
+#include "palpate/geometry/decimation.h"
+#include "palpate/haptics/model_io.h"
+
+namespace palpate::haptics {
+namespace {
+
+// Strokes that choose, for each that measures.
+constexpr double kChoosing = 0.2;
+// Shares of the allowed mean square that fewer contacts, and then a coarser surface, may use.
+constexpr double kContactsShare = 0.6, kSurfaceShare = 0.2;
+// How much the stated error may grow, and without one the error relative to the force, where
+// nothing less is possible or nothing is asked for.
+constexpr double kGrowth = 1.1, kShareOfForce = 0.01;
+// Of the surface, relative to its diagonal: a pixel of a picture of 1000 pixels.
+constexpr double kSurfaceShown = 1e-3;
+// Tolerances of decimation that are tried, each half of the one before.
+constexpr int kTolerances = 8;
+// Allowed errors are doubled until the size holds, at most up to this factor; then the least factor
+// is searched, up to 2^(1/8).
+constexpr double kMostRaised = 256;
+constexpr int kHalvings = 3;
+// How often less is allowed because strokes that did not choose find more than is allowed.
+constexpr int kCorrections = 4;
+// Models that are tried, for the progress; it waits below the end if there are more.
+constexpr int kUsualModels = 60;
+
+double rms_force(std::span<const StrokeEnd> ends) {
+  double sum = 0;
+  for (const StrokeEnd& end : ends) sum += end.force.squaredNorm();
+  return std::sqrt(sum / static_cast<double>(ends.size()));
+}
+
+/// A set of strokes, as the full model plays them.
+struct PlayedStrokes {
+  std::vector<Stroke> strokes;
+  std::vector<StrokeEnd> ends;
+
+  [[nodiscard]] geometry::ErrorStatistics difference(const Model& reduced) const {
+    return geometry::error_statistics(force_differences(ends, play_strokes(reduced, strokes)));
+  }
+};
+
+StrokeSettings stroke_settings(const ReduceOptions& options) {
+  return {.count = options.strokes,
+          .seed = static_cast<std::uint64_t>(options.seed) << 32,
+          .reachable = options.reachable,
+          .largest_force = options.largest_force,
+          .largest_depth = options.largest_depth,
+          .drags = options.slip};
+}
+
+PlayedStrokes played(const Model& model, const StrokeSettings& settings) {
+  PlayedStrokes result{.strokes = random_strokes(model, settings), .ends = {}};
+  result.ends = play_strokes(model, result.strokes);
+  return result;
+}
+
+// Which contacts have weight at a vertex that can be reached.
+std::vector<bool> needed_contacts(const Model& model, const std::vector<bool>& reachable) {
+  std::vector<bool> needed(model.contacts.size(), reachable.empty());
+  if (reachable.empty()) return needed;
+  const geometry::SurfaceWeights weights = vertex_weights(model);
+  for (Eigen::Index v = 0; v < weights.contacts.cols(); ++v) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      if (reachable[static_cast<std::size_t>(v)] && weights.weights(k, v) > 0)
+        needed[static_cast<std::size_t>(weights.contacts(k, v))] = true;
+    }
+  }
+  if (const auto count = std::ranges::count(needed, true); count < 3) {
+    throw InvalidInput(
+        fmt::format("reduce_model(): {} contacts have influence in the region; a model needs at "
+                    "least three. Make the region larger",
+                    count));
+  }
+  return needed;
+}
+
+std::vector<std::size_t> indices_where(const std::vector<bool>& values, bool wanted) {
+  std::vector<std::size_t> result;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] == wanted) result.push_back(i);
+  return result;
+}
+
+/// What a reduction may change.
+struct Allowed {
+  double force = 0;    // [N] RMS difference from the full model
+  double surface = 0;  // [mm]
+};
+
+/// What all attempts to reduce a model share.
+struct Source {
+  const Model& model;
+  const ReduceOptions& options;
+  std::vector<std::size_t> in_reach, beyond;  // contacts
+  PlayedStrokes choosing;
+  std::vector<double> depths;  // [mm] of presses at the contacts
+  std::function<void()> tried;
+  std::map<double, geometry::Decimation> surfaces;  // by tolerance
+
+  const geometry::Decimation& surface(double tolerance) {
+    const auto known = surfaces.find(tolerance);
+    if (known != surfaces.end()) return known->second;
+    return surfaces[tolerance] = geometry::decimate(model.surface, {.tolerance = tolerance});
+  }
+};
+
+// Puts the model on the coarsest surface with which it feels alike.
+void coarsen(Source& source, const Allowed& allowed, ReducedModel& result) {
+  const double most = std::hypot(result.contacts_error, std::sqrt(kSurfaceShare) * allowed.force);
+  double tolerance = allowed.surface;
+  for (int i = 0; i < kTolerances && tolerance > 0; ++i, tolerance /= 2) {
+    const geometry::Decimation& coarse = source.surface(tolerance);
+    Model model = on_surface(result.model, coarse.mesh);
+    const double error = source.choosing.difference(model).rms;
+    source.tried();
+    if (error > most) continue;
+    result.model = std::move(model);
+    result.surface_error = error;
+    result.surface_distance = coarse.distance;
+    return;
+  }
+  result.surface_error = result.contacts_error;
+}
+
+// Gives contacts simpler fields, with what the other steps left of the allowed error.
+void simplify(const Source& source, std::span<const std::size_t> kept, const Allowed& allowed,
+              ReducedModel& result) {
+  std::vector<double> depths;
+  for (const std::size_t i : kept) depths.push_back(source.depths[i]);
+  double error =
+      std::sqrt(std::max(0.0, std::pow(allowed.force, 2) - std::pow(result.surface_error, 2)));
+  const Model before = result.model;
+  for (int i = 0; i < kCorrections; ++i, error /= 2) {
+    result.model = before;
+    result.simpler_fields = simplify_fields(result.model, error, depths);
+    const double now = source.choosing.difference(result.model).rms;
+    source.tried();
+    if (now <= allowed.force) return;
+  }
+  result.model = before;
+  result.simpler_fields = 0;
+}
+
+// Ids of the contacts that are in the first list and not in the second one; both ascend.
+std::vector<long long> ids_without(const Model& model, std::span<const std::size_t> all,
+                                   std::span<const std::size_t> without) {
+  std::vector<std::size_t> rest;
+  std::ranges::set_difference(all, without, std::back_inserter(rest));
+  std::vector<long long> ids;
+  for (const std::size_t i : rest) ids.push_back(model.contacts[i].id);
+  return ids;
+}
+
+ReducedModel reduced_within(Source& source, const Allowed& allowed) {
+  ReducedModel result;
+  const ThinnedContacts thinned =
+      thin_contacts(source.model, source.in_reach, source.choosing.strokes, source.choosing.ends,
+                    std::sqrt(kContactsShare) * allowed.force, source.tried);
+  result.model = thinned.model;
+  result.contacts_error = thinned.error;
+  coarsen(source, allowed, result);
+  simplify(source, thinned.kept, allowed, result);
+  result.out_of_reach = ids_without(source.model, source.beyond, thinned.kept);
+  result.predicted = ids_without(source.model, source.in_reach, thinned.kept);
+  if (source.model.response && source.options.keep_shapes)
+    result.model.response = reduced_response(source.model, result.model.surface, thinned.kept);
+  result.size_after = folder_size(result.model);
+  return result;
+}
+
+Allowed allowed_errors(const Source& source, const std::optional<double>& stated, double& raised) {
+  const ReduceOptions& options = source.options;
+  const double force = rms_force(source.choosing.ends);
+  const double own = stated.value_or(0);
+  const double infinite = std::numeric_limits<double>::infinity();
+  const double asked = std::min(options.max_error.value_or(infinite),
+                                options.max_relative_error.value_or(infinite) * force);
+  const double least = stated ? kGrowth * own : kShareOfForce * force;
+  double whole = std::isinf(asked) ? least : asked;
+  if (stated && whole < least) whole = least;
+  if (!std::isinf(asked)) raised = whole / asked;
+  return {.force = std::sqrt(whole * whole - own * own),
+          .surface = options.max_surface_error.value_or(
+              kSurfaceShown * geometry::bounding_diagonal(source.model.surface))};
+}
+
+// The same, as strokes find it that did not choose.
+ReducedModel measured_within(Source& source, const PlayedStrokes& measuring,
+                             const Allowed& allowed) {
+  Allowed corrected = allowed;
+  for (int i = 0;; ++i) {
+    ReducedModel result = reduced_within(source, corrected);
+    result.difference = measuring.difference(result.model);
+    if (result.difference.rms <= allowed.force || i > kCorrections) return result;
+    // At last with all contacts and the surface as it is.
+    corrected.force *= i < kCorrections ? allowed.force / result.difference.rms : 0;
+  }
+}
+
+Allowed raised_by(double factor, const Allowed& allowed) {
+  return {.force = factor * allowed.force, .surface = factor * allowed.surface};
+}
+
+// With allowed errors that are raised as little as its size needs.
+// \param factor by which they are.
+ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const Allowed& allowed,
+                          double& factor) {
+  ReducedModel result = measured_within(source, measuring, allowed);
+  const std::optional<double> size = source.options.max_size;
+  if (!size || result.size_after <= *size) return result;
+  const double least =
+      measured_within(source, measuring, raised_by(kMostRaised, allowed)).size_after;
+  if (least > *size) {
+    throw InvalidInput(
+        std::vector<MessagePart>{{"ReduceOptions::max_size", true},
+                                 {fmt::format(": the smallest model has {:.0f} bytes", least)}});
+  }
+  double too_small = factor;
+  while (result.size_after > *size && factor < kMostRaised) {
+    too_small = factor;
+    factor *= 2;
+    result = measured_within(source, measuring, raised_by(factor, allowed));
+  }
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = std::sqrt(too_small * factor);
+    ReducedModel other = measured_within(source, measuring, raised_by(middle, allowed));
+    if (other.size_after <= *size) {
+      result = std::move(other);
+      factor = middle;
+    } else {
+      too_small = middle;
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+void visit(ReduceOptions& options, FieldVisitor& visitor) {
+  visitor.begin("ReduceOptions");
+  visitor.real(
+      {"max_error",
+       "Allowed error of the force, root mean square over random presses and drags. It includes "
+       "the "
+       "error that the model states for itself. Without it, that error may grow by a tenth; if "
+       "the model states none, the force may change by 1 %",
+       "N"},
+      options.max_error, above(0).finite());
+  visitor.real({"max_relative_error",
+                "The same, relative to the root mean square of the force; 0.07 is about the least "
+                "difference that people feel"},
+               options.max_relative_error, above(0).at_most(1));
+  visitor.real(
+      {"max_surface_error",
+       "Allowed distance between the surfaces. Without it: a thousandth of the diagonal of "
+       "the surface",
+       "mm"},
+      options.max_surface_error, at_least(0).finite());
+  visitor.real(
+      {"max_size", "Allowed size of the model folder; the allowed errors are raised until it holds",
+       "bytes"},
+      options.max_size, above(0).finite());
+  visitor.real({"largest_force",
+                "Largest force of a press; beyond it nothing is compared. Without it and without "
+                "largest_depth: as far as most contacts were measured",
+                "N"},
+               options.largest_force, above(0).finite());
+  visitor.real({"largest_depth", "Largest depth of a press", "mm"}, options.largest_depth,
+               above(0).finite());
+  visitor.flag({"slip", "Compare drags, too"}, options.slip);
+  visitor.flag({"keep_shapes", "Keep the recorded motion of the surface, if the model has it"},
+               options.keep_shapes);
+  visitor.whole({"strokes", "Number of random presses that measure the difference", "", true},
+                options.strokes, at_least(100).at_most(1'000'000));
+  visitor.whole({"seed", "Seed of the random presses", "", true}, options.seed, at_least(0));
+}
+
+ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
+  const ReduceOptions options = in_range(given);
+  check_model(model);
+  const auto vertices = static_cast<std::size_t>(model.surface.vertices.cols());
+  if (!options.reachable.empty() && options.reachable.size() != vertices) {
+    throw InvalidInput(fmt::format(
+        "reduce_model(): reachable has {} values; the surface of the model has {} vertices",
+        options.reachable.size(), vertices));
+  }
+  const StrokeSettings settings = stroke_settings(options);
+  StrokeSettings choosing = settings;
+  choosing.count = static_cast<int>(kChoosing * options.strokes);
+  choosing.seed = ~settings.seed;
+  const std::vector<bool> needed = needed_contacts(model, options.reachable);
+  int done = 0;
+  Source source{.model = model,
+                .options = options,
+                .in_reach = indices_where(needed, true),
+                .beyond = indices_where(needed, false),
+                .choosing = played(model, choosing),
+                .depths = press_depths(model, settings),
+                .tried =
+                    [&] {
+                      done = std::min(done + 1, kUsualModels - 1);
+                      if (options.progress) options.progress(done, kUsualModels);
+                    },
+                .surfaces = {}};
+  const PlayedStrokes measuring = played(model, settings);
+  const std::optional<double> stated = stated_error(model, measuring.ends);
+  double raised = 1;
+  Allowed allowed = allowed_errors(source, stated, raised);
+  double factor = 1;
+  ReducedModel result = small_enough(source, measuring, allowed, factor);
+  allowed = raised_by(factor, allowed);
+  raised *= factor;
+  result.raised = raised * std::max(1.0, result.difference.rms / allowed.force);
+  result.allowed = allowed.force;
+  result.force_rms = rms_force(measuring.ends);
+  if (stated) state_reduced_errors(model, measuring.ends, result.model);
+  result.stated_before = stated;
+  result.stated_after = stated_error(result.model, measuring.ends);
+  result.size_before = folder_size(model);
+  result.size_after = folder_size(result.model);
+  if (options.progress) options.progress(kUsualModels, kUsualModels);
+  return result;
+}
+
+}  // namespace palpate::haptics

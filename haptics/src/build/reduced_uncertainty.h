@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "build/strokes.h"
+#include "palpate/haptics/model.h"
+
+namespace palpate::haptics {
+
+/// [N] RMS of the errors that a model states where strokes end; nothing if a contact states none.
+[[nodiscard]] std::optional<double> stated_error(const Model& model,
+                                                 std::span<const StrokeEnd> ends);
+
+/// The contacts of a reduced model state other errors between them: what is most likely where
+/// strokes end, with the full model's own error there and the difference of the two forces at the
+/// same displacement. The full model states errors.
+void state_reduced_errors(const Model& full, std::span<const StrokeEnd> ends, Model& reduced);
+
+}  // namespace palpate::haptics

@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "build/simpler_fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "palpate/core/parallel_for.h"
+#include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/realignment.h"
+#include "palpate/haptics/rounding.h"
+
+namespace palpate::haptics {
+namespace {
+
+// Displacements of a tool that presses to these shares of the depth, and is then moved across by
+// these multiples of how deep it is, in kDirections: what lies in the cones of usual friction.
+constexpr std::array kDepths{0.15, 0.35, 0.6, 0.8, 1.0};
+constexpr std::array kAcross{0.3, 0.7};
+constexpr int kDirections = 8;
+
+ForceSamples samples_of(const ForceField& field, double depth) {
+  ForceSamples samples;
+  constexpr auto kCount =
+      static_cast<Eigen::Index>(kDepths.size() * (1 + kAcross.size() * kDirections));
+  samples.displacements.resize(3, kCount);
+  samples.forces.resize(3, kCount);
+  Eigen::Index i = 0;
+  for (const double share : kDepths) {
+    const double z = share * depth;
+    samples.displacements.col(i++) << 0, 0, z;
+    for (const double across : kAcross) {
+      for (int k = 0; k < kDirections; ++k) {
+        const double angle = 2 * std::numbers::pi * k / kDirections;
+        samples.displacements.col(i++) << across * z * std::cos(angle),
+            across * z * std::sin(angle), z;
+      }
+    }
+  }
+  for (i = 0; i < kCount; ++i) samples.forces.col(i) = force(field, samples.displacements.col(i));
+  return samples;
+}
+
+bool simplify(ContactModel& contact, double error, double depth) {
+  const auto bases = static_cast<int>(contact.field.bases.size());
+  if (bases <= 1) return false;
+  const ForceSamples samples = samples_of(contact.field, depth);
+  // The error counts as noise, so that bases leave as long as it explains what they change.
+  FitOptions options{.mode = FitMode::convex,
+                     .try_certified = false,
+                     .max_bases = bases - 1,
+                     .noise = {.displacement = 0, .force = error / std::sqrt(3.0)}};
+  const FitResult fit = fit_force_field(samples.displacements, samples.forces, options);
+  if (!(fit.rms <= error)) return false;
+  contact.field = fit.field;
+  contact.rms = std::hypot(contact.rms, fit.rms);
+  contact.fit_mode = fit.mode;
+  contact.fit_stop = fit.stop;
+  contact.passivity = fit.certificate.passivity;
+  contact.shared_local = false;
+  contact.chi2.reset();
+  contact.condition.reset();
+  if (contact.uncertainty)
+    contact.uncertainty->force = std::hypot(contact.uncertainty->force, fit.rms);
+  contact = rounded(std::move(contact));
+  return true;
+}
+
+}  // namespace
+
+int simplify_fields(Model& model, double error, std::span<const double> depths) {
+  std::vector<char> replaced(model.contacts.size());
+  parallel_for(replaced.size(), [&](std::size_t i) {
+    replaced[i] = simplify(model.contacts[i], error, depths[i]) ? 1 : 0;
+  });
+  return static_cast<int>(std::ranges::count(replaced, 1));
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "build/thinning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "build/contact_subset.h"
+#include "palpate/haptics/blended_field.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr std::size_t kFirstContacts = 6;
+// Contacts that are added at once, relative to those there are.
+constexpr double kAdded = 0.25;
+
+// Candidates in the order of farthest points, by their distance in space; the first is the one
+// nearest to the mean.
+std::vector<std::size_t> spread_out(const Model& model, std::span<const std::size_t> candidates,
+                                    std::size_t count) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const std::size_t i : candidates) mean += model.contacts[i].position;
+  mean /= static_cast<double>(candidates.size());
+  std::vector<double> distance(candidates.size());
+  for (std::size_t c = 0; c < candidates.size(); ++c)
+    distance[c] = -(model.contacts[candidates[c]].position - mean).norm();
+  std::vector<std::size_t> chosen;
+  while (chosen.size() < std::min(count, candidates.size())) {
+    const auto next =
+        static_cast<std::size_t>(std::ranges::max_element(distance) - distance.begin());
+    chosen.push_back(candidates[next]);
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      const double to_next =
+          (model.contacts[candidates[c]].position - model.contacts[candidates[next]].position)
+              .norm();
+      distance[c] = chosen.size() == 1 ? to_next : std::min(distance[c], to_next);
+    }
+    distance[next] = -std::numeric_limits<double>::infinity();
+  }
+  std::ranges::sort(chosen);
+  return chosen;
+}
+
+// For each contact, those that share a triangle of contacts with it.
+std::vector<std::vector<int>> neighbours_of(const Model& model) {
+  std::vector<std::vector<int>> result(model.contacts.size());
+  for (const auto& t : model.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      std::vector<int>& of = result[static_cast<std::size_t>(t[k])];
+      of.insert(of.end(), {t[(k + 1) % 3], t[(k + 2) % 3]});
+    }
+  }
+  return result;
+}
+
+// Those that share a triangle of contacts with a candidate come after the candidates.
+std::vector<std::size_t> with_neighbours(const std::vector<std::vector<int>>& neighbours,
+                                         std::span<const std::size_t> candidates) {
+  std::vector<bool> known(neighbours.size(), false);
+  for (const std::size_t i : candidates) known[i] = true;
+  std::vector<std::size_t> result(candidates.begin(), candidates.end());
+  for (const std::size_t i : candidates) {
+    for (const int other : neighbours[i]) {
+      const auto index = static_cast<std::size_t>(other);
+      if (!known[index]) result.push_back(index);
+      known[index] = true;
+    }
+  }
+  return result;
+}
+
+class Thinning {
+ public:
+  Thinning(const Model& model, std::span<const std::size_t> candidates,
+           std::span<const Stroke> strokes, std::span<const StrokeEnd> ends)
+      : model_(model),
+        strokes_(strokes),
+        ends_(ends),
+        neighbours_(neighbours_of(model)),
+        candidates_(with_neighbours(neighbours_, candidates)) {
+    const BlendedField field(model);
+    for (const StrokeEnd& end : ends)
+      weights_.push_back(field.weights(field.surface().closest_point(end.contact).at));
+  }
+
+  [[nodiscard]] ThinnedContacts with(std::vector<std::size_t> kept) {
+    ThinnedContacts result{.kept = std::move(kept), .model = {}};
+    result.model = with_contacts(model_, result.kept);
+    differences_ = force_differences(ends_, play_strokes(result.model, strokes_));
+    double sum = 0;
+    for (const double difference : differences_) sum += difference * difference;
+    result.error = std::sqrt(sum / static_cast<double>(differences_.size()));
+    return result;
+  }
+
+  /// Candidates to add to those of the last model, the one that it misses most first; no two of
+  /// them are neighbours.
+  [[nodiscard]] std::vector<std::size_t> missing(const std::vector<std::size_t>& kept) const {
+    std::vector<double> missed(model_.contacts.size(), 0);
+    for (std::size_t j = 0; j < differences_.size(); ++j) {
+      for (std::size_t k = 0; k < static_cast<std::size_t>(weights_[j].count); ++k) {
+        missed[static_cast<std::size_t>(weights_[j].contacts[k])] +=
+            weights_[j].weights[k] * differences_[j] * differences_[j];
+      }
+    }
+    std::vector<bool> blocked(model_.contacts.size(), true);
+    for (const std::size_t i : candidates_) blocked[i] = false;
+    for (const std::size_t i : kept) blocked[i] = true;
+    std::vector<std::size_t> order = candidates_;
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return missed[i]; });
+    const auto most =
+        static_cast<std::size_t>(std::max(1.0, kAdded * static_cast<double>(kept.size())));
+    std::vector<std::size_t> result;
+    for (const std::size_t i : order) {
+      if (result.size() == most) break;
+      if (blocked[i]) continue;
+      result.push_back(i);
+      blocked[i] = true;
+      for (const int other : neighbours_[i]) blocked[static_cast<std::size_t>(other)] = true;
+    }
+    return result;
+  }
+
+ private:
+  const Model& model_;
+  std::span<const Stroke> strokes_;
+  std::span<const StrokeEnd> ends_;
+  std::vector<std::vector<int>> neighbours_;
+  std::vector<std::size_t> candidates_;
+  std::vector<geometry::ContactWeights> weights_;  // of each end
+  std::vector<double> differences_;                // [N] of the last model, at each end
+};
+
+std::vector<std::size_t> with_first(std::vector<std::size_t> kept,
+                                    const std::vector<std::size_t>& added, std::size_t count) {
+  kept.insert(kept.end(), added.begin(), added.begin() + static_cast<std::ptrdiff_t>(count));
+  std::ranges::sort(kept);
+  return kept;
+}
+
+}  // namespace
+
+ThinnedContacts thin_contacts(const Model& model, std::span<const std::size_t> candidates,
+                              std::span<const Stroke> strokes, std::span<const StrokeEnd> ends,
+                              double error, const std::function<void()>& tried) {
+  Thinning thinning(model, candidates, strokes, ends);
+  const auto with = [&](std::vector<std::size_t> kept) {
+    ThinnedContacts result = thinning.with(std::move(kept));
+    tried();
+    return result;
+  };
+  ThinnedContacts best = with(spread_out(model, candidates, kFirstContacts));
+  std::vector<std::size_t> before, added;
+  while (best.error > error) {
+    before = best.kept;
+    added = thinning.missing(before);
+    if (added.empty()) return best;
+    best = with(with_first(before, added, added.size()));
+  }
+  // The last ones were added together; fewer may do.
+  std::size_t too_few = 0, enough = added.size();
+  while (best.error <= error && enough - too_few > 1) {
+    const std::size_t middle = (too_few + enough) / 2;
+    ThinnedContacts fewer = with(with_first(before, added, middle));
+    if (fewer.error <= error) {
+      best = std::move(fewer);
+      enough = middle;
+    } else {
+      too_few = middle;
+    }
+  }
+  return best;
+}
+
+}  // namespace palpate::haptics

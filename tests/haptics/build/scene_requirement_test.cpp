@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/scene_requirement.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "palpate/haptics/model_io.h"
+#include "sheet_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class SceneRequirementTest : public ::testing::Test {
+ protected:
+  SceneRequirementTest() {
+    write_model(scratch / "model", sheet_model());
+    std::ofstream(scratch / "path.csv") << "t,x,y,z\n0,3,4,695\n0.1,3,4,705\n0.2,8,4,705\n";
+  }
+  SceneRequirement read(const std::string& require, std::optional<std::string> object = {}) {
+    std::ofstream(scratch / "scene.yaml")
+        << "objects:\n  - name: sheet\n    model: model\n    require:\n"
+        << require;
+    return read_scene_requirement(scratch / "scene.yaml", scratch / "model", object);
+  }
+  std::string refused(const std::string& require, std::optional<std::string> object = {}) {
+    return refusal([&] { return read(require, std::move(object)); });
+  }
+
+  ScratchFolder scratch;
+};
+
+TEST_F(SceneRequirementTest, ReadsQuantitiesWithTheirUnits) {
+  const SceneRequirement of = read(R"(
+      force_error: 200 mN
+      surface_error: 50 um
+      size: 0.5 MB
+      largest_force: 4N
+      largest_depth: 1 cm
+      slip: false
+      shapes: false
+)");
+  EXPECT_EQ(of.object, "sheet");
+  EXPECT_DOUBLE_EQ(*of.options.max_error, 0.2);
+  EXPECT_DOUBLE_EQ(*of.options.max_surface_error, 0.05);
+  EXPECT_DOUBLE_EQ(*of.options.max_size, 5e5);
+  EXPECT_DOUBLE_EQ(*of.options.largest_force, 4);
+  EXPECT_DOUBLE_EQ(*of.options.largest_depth, 10);
+  EXPECT_FALSE(of.options.slip);
+  EXPECT_FALSE(of.options.keep_shapes);
+  EXPECT_FALSE(of.region);
+  EXPECT_DOUBLE_EQ(*read("      force_error: 5 %\n").options.max_relative_error, 0.05);
+  EXPECT_DOUBLE_EQ(*read("      force_error: jnd\n").options.max_relative_error, 0.07);
+}
+
+TEST_F(SceneRequirementTest, RefusesWhatCannotBe) {
+  EXPECT_THAT(refused("      force_error: 0.2\n"),
+              AllOf(HasSubstr("scene.yaml: at /objects/0/require/force_error: found 0.2"),
+                    HasSubstr("such as \"0.2 N\"")));
+  EXPECT_THAT(refused("      force_error: 0.2 mm\n"), HasSubstr("such as \"0.2 N\""));
+  EXPECT_THAT(refused("      surface_error: -1 mm\n"), HasSubstr("a number > 0 with its unit"));
+  EXPECT_THAT(refused("      size: 1e999 kB\n"), HasSubstr("a number > 0 with its unit"));
+  EXPECT_THAT(refused("      forces_error: 1 N\n"),
+              AllOf(HasSubstr("/objects/0/require: found the member 'forces_error'"),
+                    HasSubstr("force_error")));
+  EXPECT_THAT(refused("      region: {margin: 2 mm}\n"), HasSubstr("'path' beside it"));
+  EXPECT_THAT(refused("      region: {path: path.csv}\n"), HasSubstr("'margin' beside it"));
+  EXPECT_THAT(refused("      region: {}\n"), HasSubstr("'box', 'side' or 'path'"));
+  EXPECT_THAT(refused("      region: {box: [0, 0, 0, 1, -1, 1]}\n"),
+              HasSubstr("below the upper one"));
+}
+
+TEST_F(SceneRequirementTest, FindsTheObjectByItsModelOrItsName) {
+  const std::string two =
+      "      slip: true\n  - name: other\n    model: ../nowhere\n    require: {slip: false}\n";
+  EXPECT_TRUE(read(two).options.slip);
+  EXPECT_FALSE(read(two, "other").options.slip);
+  EXPECT_THAT(refused(two, "third"), AllOf(HasSubstr("no object has the name third"),
+                                           HasSubstr("sheet (model), other (../nowhere)")));
+  EXPECT_THAT(refused("      slip: true\n  - name: twin\n    model: model\n"),
+              HasSubstr("several objects have the model"));
+  EXPECT_THAT(refused("      slip: true\n  - name: bare\n    model: nowhere\n", "bare"),
+              HasSubstr("'require' in it"));
+}
+
+TEST_F(SceneRequirementTest, FindsTheVerticesOfARegion) {
+  const geometry::TriangleMesh surface = flat_surface();
+  const auto of = [&](const std::string& region) {
+    return reachable_vertices(surface, *read("      region: " + region + "\n").region);
+  };
+  const auto expect = [&](const std::vector<bool>& is, auto&& should) {
+    for (std::size_t v = 0; v < is.size(); ++v) {
+      const Vector3d at = surface.vertices.col(static_cast<Eigen::Index>(v));
+      EXPECT_EQ(is[v], should(at)) << at.transpose();
+    }
+  };
+  expect(of("{box: [-15, -100, 600, 25, 5, 800]}"),
+         [](const Vector3d& at) { return at.x() > -15 && at.x() < 25 && at.y() < 5; });
+  expect(of("{side: [5, 0, 700, -3, 0, 0]}"), [](const Vector3d& at) { return at.x() < 5; });
+  expect(of("{side: [5, 0, 700, -3, 0, 0], box: [-100, 1, 0, 100, 100, 1000]}"),
+         [](const Vector3d& at) { return at.x() < 5 && at.y() > 1; });
+  // The tool presses at (3, 4) and goes to (8, 4).
+  expect(of("{path: path.csv, margin: 12 mm}"), [](const Vector3d& at) {
+    return (at - Vector3d(3, 4, 700)).norm() <= 12 || (at - Vector3d(8, 4, 700)).norm() <= 12;
+  });
+}
+
+TEST_F(SceneRequirementTest, RefusesARegionThatIsNotOnTheSurface) {
+  const auto refused_region = [&](const std::string& region) {
+    const SceneRequirement of = read("      region: " + region + "\n");
+    return refusal([&] { return reachable_vertices(flat_surface(), *of.region); });
+  };
+  EXPECT_THAT(refused_region("{box: [0, 0, 0, 1, 1, 1]}"),
+              HasSubstr("the surface extends from (-50, -50, 700) to (50, 50, 700) mm"));
+  std::ofstream(scratch / "path.csv") << "t,x,y,z\n0,3,4,600\n0.1,3,4,620\n";
+  EXPECT_THAT(refused_region("{path: path.csv, margin: 12 mm}"),
+              HasSubstr("never touches the surface of the model; it is 80 mm away"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics
