@@ -82,18 +82,28 @@ std::string in_words(const haptics::ReducedModel& reduced, std::size_t contacts)
                          newtons(*reduced.stated_before, 3), newtons(*reduced.stated_after, 3));
   }
   return fmt::format(
-      "{} of {} contacts remain; out of reach: {}, predicted by the others: {}. {} fields got "
-      "fewer bases. The surface has {} vertices, and is at most {:.3g} mm away from the old one.\n"
+      "{} of {} contacts remain; out of reach: {}, predicted by the others: {}. Fields with fewer "
+      "bases: {}. The surface has {} vertices, and is at most {:.3g} mm away from the old one.\n"
       "{:.0f} kB instead of {:.0f} kB.\n"
-      "Forces differ by {} (RMS; 90 % within {}, at most {}) from those of the full model, {} "
-      "(RMS); "
-      "{} was allowed.{}",
+      "The forces differ from those of the full model by {} (RMS; 90 % within {}, at most {}); {} "
+      "was "
+      "allowed. The RMS force is {}.{}",
       reduced.model.contacts.size(), contacts, reduced.out_of_reach.size(),
       reduced.predicted.size(), reduced.simpler_fields, reduced.model.surface.vertices.cols(),
       reduced.surface_distance, reduced.size_after / 1e3, reduced.size_before / 1e3,
       newtons(reduced.difference.rms, 3), newtons(reduced.difference.p90, 3),
-      newtons(reduced.difference.max, 2), newtons(reduced.force_rms, 2),
-      newtons(reduced.allowed, 3), stated);
+      newtons(reduced.difference.max, 2), newtons(reduced.allowed, 3),
+      newtons(reduced.force_rms, 2), stated);
+}
+
+// Why the allowed errors had to be raised.
+void tell_raised(const haptics::ReducedModel& reduced) {
+  if (!(reduced.raised > 1)) return;
+  const std::string why = reduced.raised_for_size > 1 || !reduced.stated_before
+                              ? std::string("the model would be larger than allowed")
+                              : fmt::format("the model itself states an error of {}",
+                                            newtons(*reduced.stated_before, 3));
+  spdlog::warn("{}: the allowed errors were raised by a factor of {:.2f}.", why, reduced.raised);
 }
 
 void reduce(const Settings& settings, const ReduceCall& call) {
@@ -107,12 +117,7 @@ void reduce(const Settings& settings, const ReduceCall& call) {
       fmt::format("from {} contacts; forces differ by {} (RMS)", model.contacts.size(),
                   newtons(reduced.difference.rms, 3));
   haptics::write_model(call.output, reduced.model);
-  if (reduced.raised > 1) {
-    spdlog::warn(
-        "not everything that was asked for can hold: the allowed errors were raised by a factor of "
-        "{:.2f}.",
-        reduced.raised);
-  }
+  tell_raised(reduced);
   Json figures = figures_of(reduced, model.contacts.size());
   figures["file"] = call.output.string();
   print(settings, figures,
@@ -130,8 +135,8 @@ void add_reduce(CLI::App& app, const Settings& settings) {
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   CLI::Option* scene = command->add_option(
       "--scene", call->scene,
-      "Scene file (YAML or JSON) that says under 'require' what is needed of the model, also the "
-      "region that the tool can reach");
+      "Scene file (YAML or JSON) that says under 'require' what is needed of the model, and where "
+      "the tool can be");
   command
       ->add_option("--object", call->object,
                    "Name of the object of the scene (default: the one that has this model)")

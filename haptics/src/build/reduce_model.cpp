@@ -40,7 +40,9 @@ constexpr int kTolerances = 8;
 constexpr double kMostRaised = 256;
 constexpr int kHalvings = 3;
 // How often less is allowed because strokes that did not choose find more than is allowed.
-constexpr int kCorrections = 4;
+constexpr int kCorrections = 6;
+// At least this much less each time.
+constexpr double kCorrection = 0.75;
 // Models that are tried, for the progress; it waits below the end if there are more.
 constexpr int kUsualModels = 60;
 
@@ -87,10 +89,10 @@ std::vector<bool> needed_contacts(const Model& model, const std::vector<bool>& r
     }
   }
   if (const auto count = std::ranges::count(needed, true); count < 3) {
-    throw InvalidInput(
-        fmt::format("reduce_model(): {} contacts have influence in the region; a model needs at "
-                    "least three. Make the region larger",
-                    count));
+    throw InvalidInput(fmt::format(
+        "{} contacts have influence in the region; a model needs at least three. Make the region "
+        "larger",
+        count));
   }
   return needed;
 }
@@ -214,7 +216,8 @@ ReducedModel measured_within(Source& source, const PlayedStrokes& measuring,
     result.difference = measuring.difference(result.model);
     if (result.difference.rms <= allowed.force || i > kCorrections) return result;
     // At last with all contacts and the surface as it is.
-    corrected.force *= i < kCorrections ? allowed.force / result.difference.rms : 0;
+    corrected.force *=
+        i < kCorrections ? std::min(kCorrection, allowed.force / result.difference.rms) : 0;
   }
 }
 
@@ -226,16 +229,18 @@ Allowed raised_by(double factor, const Allowed& allowed) {
 // \param factor by which they are.
 ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const Allowed& allowed,
                           double& factor) {
-  ReducedModel result = measured_within(source, measuring, allowed);
   const std::optional<double> size = source.options.max_size;
-  if (!size || result.size_after <= *size) return result;
-  const double least =
-      measured_within(source, measuring, raised_by(kMostRaised, allowed)).size_after;
-  if (least > *size) {
-    throw InvalidInput(
-        std::vector<MessagePart>{{"ReduceOptions::max_size", true},
-                                 {fmt::format(": the smallest model has {:.0f} bytes", least)}});
+  if (size) {
+    const double least = reduced_within(source, raised_by(kMostRaised, allowed)).size_after;
+    if (least > *size) {
+      throw InvalidInput(std::vector<MessagePart>{
+          {"ReduceOptions::max_size", true},
+          {fmt::format(" is {:.0f}; this model cannot be made smaller than {:.0f} bytes", *size,
+                       least)}});
+    }
   }
+  ReducedModel result = measured_within(source, measuring, allowed);
+  if (!size || result.size_after <= *size) return result;
   double too_small = factor;
   while (result.size_after > *size && factor < kMostRaised) {
     too_small = factor;
@@ -281,14 +286,15 @@ void visit(ReduceOptions& options, FieldVisitor& visitor) {
       {"max_size", "Allowed size of the model folder; the allowed errors are raised until it holds",
        "bytes"},
       options.max_size, above(0).finite());
-  visitor.real({"largest_force",
-                "Largest force of a press; beyond it nothing is compared. Without it and without "
-                "largest_depth: as far as most contacts were measured",
-                "N"},
-               options.largest_force, above(0).finite());
+  visitor.real(
+      {"largest_force",
+       "Largest force of a press; nothing is compared beyond it. If neither force nor depth is "
+       "limited: as far as most contacts were measured",
+       "N"},
+      options.largest_force, above(0).finite());
   visitor.real({"largest_depth", "Largest depth of a press", "mm"}, options.largest_depth,
                above(0).finite());
-  visitor.flag({"slip", "Compare drags, too"}, options.slip);
+  visitor.flag({"slip", "Compare the forces of drags"}, options.slip);
   visitor.flag({"keep_shapes", "Keep the recorded motion of the surface, if the model has it"},
                options.keep_shapes);
   visitor.whole({"strokes", "Number of random presses that measure the difference", "", true},
@@ -331,6 +337,7 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
   ReducedModel result = small_enough(source, measuring, allowed, factor);
   allowed = raised_by(factor, allowed);
   raised *= factor;
+  result.raised_for_size = factor;
   result.raised = raised * std::max(1.0, result.difference.rms / allowed.force);
   result.allowed = allowed.force;
   result.force_rms = rms_force(measuring.ends);

@@ -54,8 +54,10 @@ std::optional<double> quantity(const std::string& text, std::span<const Unit> un
 }
 
 double quantity_above_zero(const DocumentNode& node, std::span<const Unit> units) {
+  std::string names;
+  for (const Unit& unit : units) names.append(names.empty() ? "" : ", ").append(unit.name);
   const std::string right =
-      fmt::format("a number > 0 with its unit, such as \"0.5 {}\"", units.front().name);
+      fmt::format("a number > 0 with its unit ({}), such as \"0.5 {}\"", names, units.front().name);
   const std::optional<double> value = quantity(node.text(right), units);
   if (!value || !(*value > 0)) node.refuse(right);
   return *value;
@@ -111,7 +113,11 @@ SceneRegion region_of(const DocumentNode& node, const fs::path& folder) {
 SceneRequirement requirement_of(const DocumentNode& object, const fs::path& folder) {
   SceneRequirement result{.object = object.at("name").text(), .options = {}, .region = {}};
   const auto require = object.find("require");
-  if (!require) object.refuse("'require' in it, what the scene requires of the object");
+  if (!require) {
+    throw InvalidInput(fmt::format(
+        "object '{}' has no 'require'; add one, for example require: {{force_error: 0.2 N}}",
+        result.object));
+  }
   require->expect_only(kRequire);
   ReduceOptions& options = result.options;
   if (const auto error = require->find("force_error")) read_force_error(*error, options);
@@ -182,11 +188,15 @@ std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
                    return (place - vertex).norm() <= region.margin;
                  }));
   }
-  if (std::ranges::find(result, true) == result.end()) {
+  const bool has_triangle = std::ranges::any_of(surface.triangles.colwise(), [&](const auto& t) {
+    return std::ranges::all_of(t, [&](int v) { return result[static_cast<std::size_t>(v)]; });
+  });
+  if (!has_triangle) {
     const Eigen::AlignedBox3d box(surface.vertices.rowwise().minCoeff(),
                                   surface.vertices.rowwise().maxCoeff());
     throw InvalidInput(fmt::format(
-        "no vertex of the model lies in the region; the surface extends from ({:.4g}, {:.4g}, "
+        "the region contains no whole triangle of the model; its surface extends from ({:.4g}, "
+        "{:.4g}, "
         "{:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm",
         box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z()));
   }

@@ -19,13 +19,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kPressTicks = 40, kDragTicks = 80;
+// At most some 0.3 m/s where contacts are 14 mm apart.
+constexpr int kPressTicks = 25, kDragTicks = 50;
 // Of the depth: how far outside a stroke starts.
 constexpr double kClearance = 0.1;
 // A drag ends where the force is more than this many times that of the deepest press at its place.
 constexpr double kDragForce = 1.5;
 // The model itself jumps at a stroke if it feels different by this much of that force with a tool
-// that is shifted by this much of the depth along an axis.
+// that is shifted by this much of the depth in some direction.
 constexpr double kJump = 0.1, kShift = 0.01;
 // Strokes that are tried for each that is wanted; others leave what can be reached, or the object.
 constexpr int kTries = 20;
@@ -55,9 +56,7 @@ ReachableArea reachable_area(const geometry::TriangleMesh& surface,
     result.area.push_back(sum);
   }
   if (!(sum > 0)) {
-    throw InvalidInput(
-        "reduce_model(): the region holds no triangle of the surface; check its numbers, which are "
-        "in mm in the frame of the model");
+    throw InvalidInput("the region contains no whole triangle of the surface; make it larger");
   }
   return result;
 }
@@ -104,7 +103,7 @@ DepthLimit depth_limit(const Model& model, const StrokeSettings& settings) {
     limit.depth = measured.reference_depth;
   else
     throw InvalidInput(
-        "reduce_model(): the model does not say how far it was measured; say the largest force or "
+        "the model does not say how far it was measured; set the largest force or "
         "the largest depth");
   return limit;
 }
@@ -162,14 +161,14 @@ Stroke shifted(Stroke stroke, const Vector3d& by) {
 
 // Whether a model that differs a little may feel quite different.
 bool jumps(const Playback& playback, const Stroke& stroke, const std::vector<StrokeEnd>& ends,
-           double largest_force) {
+           double largest_force, std::mt19937_64& random) {
   const double by = kShift * (stroke.pressed - stroke.start).norm();
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> changes =
-        force_differences(ends, ends_of(playback, shifted(stroke, by * Vector3d::Unit(axis))));
-    if (std::ranges::max(changes) > kJump * largest_force) return true;
-  }
-  return false;
+  const double height = 2 * uniform(random) - 1, angle = 2 * std::numbers::pi * uniform(random);
+  const double across = std::sqrt(1 - height * height);
+  const Vector3d direction(across * std::cos(angle), across * std::sin(angle), height);
+  const std::vector<double> changes =
+      force_differences(ends, ends_of(playback, shifted(stroke, by * direction)));
+  return std::ranges::max(changes) > kJump * largest_force;
 }
 
 }  // namespace
@@ -211,7 +210,7 @@ std::vector<Stroke> random_strokes(const Model& model, const StrokeSettings& set
       if (std::ranges::all_of(
               ends,
               [&](const StrokeEnd& end) { return end.touches && is_reachable(end.contact); }) &&
-          !jumps(playback, stroke, ends, largest_force))
+          !jumps(playback, stroke, ends, largest_force, random))
         tried[i] = stroke;
     }
   });
@@ -220,7 +219,7 @@ std::vector<Stroke> random_strokes(const Model& model, const StrokeSettings& set
     if (stroke) strokes.push_back(*stroke);
   if (strokes.empty()) {
     throw InvalidInput(
-        "reduce_model(): no press and drag stays within the region; make it larger than the "
+        "no press and drag stays within the region; make it larger than the "
         "distance of two contacts, or say that nothing slips");
   }
   return strokes;

@@ -91,7 +91,7 @@ TEST(ReduceModel, RaisesTheErrorUntilTheFolderIsSmallEnough) {
     written += static_cast<double>(file.file_size());
   EXPECT_LE(written, size);
   EXPECT_THAT(refusal([&] { return reduce_model(ball(), {.max_size = 100, .strokes = 1000}); }),
-              HasSubstr("the smallest model has"));
+              HasSubstr("ReduceOptions::max_size is 100; this model cannot be made smaller than"));
 }
 
 // The error of the object is that of the full model and that of the reduction.

@@ -65,7 +65,8 @@ TEST_F(SceneRequirementTest, RefusesWhatCannotBe) {
                     HasSubstr("such as \"0.2 N\"")));
   EXPECT_THAT(refused("      force_error: 0.2 mm\n"), HasSubstr("such as \"0.2 N\""));
   EXPECT_THAT(refused("      surface_error: -1 mm\n"), HasSubstr("a number > 0 with its unit"));
-  EXPECT_THAT(refused("      size: 1e999 kB\n"), HasSubstr("a number > 0 with its unit"));
+  EXPECT_THAT(refused("      size: 1e999 kB\n"),
+              HasSubstr("a number > 0 with its unit (kB, B, MB, GB)"));
   EXPECT_THAT(refused("      forces_error: 1 N\n"),
               AllOf(HasSubstr("/objects/0/require: found the member 'forces_error'"),
                     HasSubstr("force_error")));
@@ -86,7 +87,7 @@ TEST_F(SceneRequirementTest, FindsTheObjectByItsModelOrItsName) {
   EXPECT_THAT(refused("      slip: true\n  - name: twin\n    model: model\n"),
               HasSubstr("several objects have the model"));
   EXPECT_THAT(refused("      slip: true\n  - name: bare\n    model: nowhere\n", "bare"),
-              HasSubstr("'require' in it"));
+              HasSubstr("object 'bare' has no 'require'"));
 }
 
 TEST_F(SceneRequirementTest, FindsTheVerticesOfARegion) {
@@ -117,7 +118,7 @@ TEST_F(SceneRequirementTest, RefusesARegionThatIsNotOnTheSurface) {
     return refusal([&] { return reachable_vertices(flat_surface(), *of.region); });
   };
   EXPECT_THAT(refused_region("{box: [0, 0, 0, 1, 1, 1]}"),
-              HasSubstr("the surface extends from (-50, -50, 700) to (50, 50, 700) mm"));
+              HasSubstr("its surface extends from (-50, -50, 700) to (50, 50, 700) mm"));
   std::ofstream(scratch / "path.csv") << "t,x,y,z\n0,3,4,600\n0.1,3,4,620\n";
   EXPECT_THAT(refused_region("{path: path.csv, margin: 12 mm}"),
               HasSubstr("never touches the surface of the model; it is 80 mm away"));

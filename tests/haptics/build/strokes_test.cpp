@@ -98,7 +98,7 @@ TEST(RandomStrokes, RefuseWhatNoToolCanDo) {
                 return random_strokes(model,
                                       {.count = 9, .reachable = nowhere, .largest_depth = 3});
               }),
-              HasSubstr("the region holds no triangle"));
+              HasSubstr("contains no whole triangle"));
   EXPECT_THAT(refusal([&] { return random_strokes(model, {.count = 9}); }),
               HasSubstr("does not say how far it was measured"));
   EXPECT_FALSE(random_strokes(with_compliances(model, 1), {.count = 9}).empty());

@@ -52,6 +52,7 @@ struct ReducedModel {
   double allowed = 0;  ///< [N] RMS difference that was allowed at last
   /// How many times larger the errors had to be than those asked for; 1: as asked for.
   double raised = 1;
+  double raised_for_size = 1;              ///< the part of it that the size needed
   double size_before = 0, size_after = 0;  ///< [bytes] of the model folders
 };
 

@@ -26,7 +26,8 @@ struct SceneRegion {
 
 /// Which vertices of a surface lie in a region. A tool of a path touches where it is behind the
 /// nearest triangle, or within the margin of it.
-/// \throws InvalidInput if no vertex does, saying how far away the path is.
+/// \throws InvalidInput if no triangle has all its vertices there, saying where the surface, or how
+/// far away the path is.
 [[nodiscard]] std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
                                                    const SceneRegion& region);
 
