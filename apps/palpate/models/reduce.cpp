@@ -112,10 +112,7 @@ void reduce(const Settings& settings, const ReduceCall& call) {
   const haptics::Model model = haptics::read_model(call.model);
   haptics::ReduceOptions options = required(call, model);
   options.progress = shown_as("Reducing");
-  haptics::ReducedModel reduced = haptics::reduce_model(model, options);
-  reduced.model.made["reduced"] =
-      fmt::format("from {} contacts; forces differ by {} (RMS)", model.contacts.size(),
-                  newtons(reduced.difference.rms, 3));
+  const haptics::ReducedModel reduced = haptics::reduce_model(model, options);
   haptics::write_model(call.output, reduced.model);
   tell_raised(reduced);
   Json figures = figures_of(reduced, model.contacts.size());

@@ -26,6 +26,8 @@ namespace {
 
 // Strokes that choose, for each that measures.
 constexpr double kChoosing = 0.2;
+// Their seeds begin that far from those of the others: beyond the largest number of strokes.
+constexpr std::uint64_t kOtherStrokes = 1U << 31;
 // Shares of the allowed mean square that fewer contacts, and then a coarser surface, may use.
 constexpr double kContactsShare = 0.6, kSurfaceShare = 0.2;
 // How much the stated error may grow, and without one the error relative to the force, where
@@ -187,7 +189,6 @@ ReducedModel reduced_within(Source& source, const Allowed& allowed) {
   result.predicted = ids_without(source.model, source.in_reach, thinned.kept);
   if (source.model.response && source.options.keep_shapes)
     result.model.response = reduced_response(source.model, result.model.surface, thinned.kept);
-  result.size_after = folder_size(result.model);
   return result;
 }
 
@@ -207,6 +208,15 @@ Allowed allowed_errors(const Source& source, const std::optional<double>& stated
               kSurfaceShown * geometry::bounding_diagonal(source.model.surface))};
 }
 
+// Completes the model with what it says of itself.
+void describe(const Source& source, const PlayedStrokes& measuring, ReducedModel& result) {
+  state_reduced_errors(source.model, measuring.ends, result.model);
+  result.stated_after = stated_error(result.model, measuring.ends);
+  result.model.made["reduced"] = fmt::format("from {} contacts; forces differ by {:.3g} N (RMS)",
+                                             source.model.contacts.size(), result.difference.rms);
+  result.size_after = folder_size(result.model);
+}
+
 // The same, as strokes find it that did not choose.
 ReducedModel measured_within(Source& source, const PlayedStrokes& measuring,
                              const Allowed& allowed) {
@@ -214,7 +224,10 @@ ReducedModel measured_within(Source& source, const PlayedStrokes& measuring,
   for (int i = 0;; ++i) {
     ReducedModel result = reduced_within(source, corrected);
     result.difference = measuring.difference(result.model);
-    if (result.difference.rms <= allowed.force || i > kCorrections) return result;
+    if (result.difference.rms <= allowed.force || i > kCorrections) {
+      describe(source, measuring, result);
+      return result;
+    }
     // At last with all contacts and the surface as it is.
     corrected.force *=
         i < kCorrections ? std::min(kCorrection, allowed.force / result.difference.rms) : 0;
@@ -231,7 +244,7 @@ ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const 
                           double& factor) {
   const std::optional<double> size = source.options.max_size;
   if (size) {
-    const double least = reduced_within(source, raised_by(kMostRaised, allowed)).size_after;
+    const double least = folder_size(reduced_within(source, raised_by(kMostRaised, allowed)).model);
     if (least > *size) {
       throw InvalidInput(std::vector<MessagePart>{
           {"ReduceOptions::max_size", true},
@@ -267,9 +280,8 @@ void visit(ReduceOptions& options, FieldVisitor& visitor) {
   visitor.real(
       {"max_error",
        "Allowed error of the force, root mean square over random presses and drags. It includes "
-       "the "
-       "error that the model states for itself. Without it, that error may grow by a tenth; if "
-       "the model states none, the force may change by 1 %",
+       "the error that the model states for itself. Without it, that error may grow by a tenth; "
+       "if the model states none, the force may change by 1 %",
        "N"},
       options.max_error, above(0).finite());
   visitor.real({"max_relative_error",
@@ -314,7 +326,7 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
   const StrokeSettings settings = stroke_settings(options);
   StrokeSettings choosing = settings;
   choosing.count = static_cast<int>(kChoosing * options.strokes);
-  choosing.seed = ~settings.seed;
+  choosing.seed += kOtherStrokes;
   const std::vector<bool> needed = needed_contacts(model, options.reachable);
   int done = 0;
   Source source{.model = model,
@@ -341,11 +353,8 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
   result.raised = raised * std::max(1.0, result.difference.rms / allowed.force);
   result.allowed = allowed.force;
   result.force_rms = rms_force(measuring.ends);
-  if (stated) state_reduced_errors(model, measuring.ends, result.model);
   result.stated_before = stated;
-  result.stated_after = stated_error(result.model, measuring.ends);
   result.size_before = folder_size(model);
-  result.size_after = folder_size(result.model);
   if (options.progress) options.progress(kUsualModels, kUsualModels);
   return result;
 }

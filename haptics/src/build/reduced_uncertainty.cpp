@@ -61,12 +61,15 @@ double likeliest_factor(const std::vector<std::pair<double, const EndError*>>& w
   return best;
 }
 
+bool states_errors(const Model& model) {
+  return std::ranges::all_of(model.contacts,
+                             [](const ContactModel& of) { return of.uncertainty.has_value(); });
+}
+
 }  // namespace
 
 std::optional<double> stated_error(const Model& model, std::span<const StrokeEnd> ends) {
-  if (!std::ranges::all_of(model.contacts,
-                           [](const ContactModel& of) { return of.uncertainty.has_value(); }))
-    return std::nullopt;
+  if (!states_errors(model)) return std::nullopt;
   const BlendedField field(model);
   double sum = 0;
   for (const StrokeEnd& end : ends)
@@ -75,6 +78,7 @@ std::optional<double> stated_error(const Model& model, std::span<const StrokeEnd
 }
 
 void state_reduced_errors(const Model& full, std::span<const StrokeEnd> ends, Model& reduced) {
+  if (!states_errors(full)) return;
   const BlendedField full_field(full), field(reduced);
   std::vector<EndError> errors(ends.size());
   parallel_for(ends.size(), [&](std::size_t i) {
