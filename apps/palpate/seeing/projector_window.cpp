@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "shared/bundled_files.h"
 
 extern char** environ;
 
@@ -60,7 +61,7 @@ ProjectorWindow::ProjectorWindow(const std::string& monitor) {
     throw no_window(std::generic_category().message(errno));
   socket_ = ends[0];
   try {
-    program_ = start(fs::read_symlink("/proc/self/exe").parent_path() / kProgram, monitor, ends[1]);
+    program_ = start(program_folder() / kProgram, monitor, ends[1]);
   } catch (...) {
     ::close(ends[0]);
     ::close(ends[1]);
