@@ -16,11 +16,13 @@
 #include <utility>
 
 #include "build/align_frames.h"
+#include "build/contact_edges.h"
 #include "build/interpolated_as.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/hole_filling.h"
+#include "palpate/geometry/median.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
@@ -142,19 +144,10 @@ void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions
 double neighbour_distance(std::span<const SideModel> sides) {
   std::vector<double> lengths;
   for (const SideModel& side : sides) {
-    const std::vector<ContactModel>& contacts = side.model.contacts;
-    for (const auto& t : side.model.triangles.colwise()) {
-      for (int k = 0; k < 3; ++k) {
-        lengths.push_back((contacts[static_cast<std::size_t>(t[k])].position -
-                           contacts[static_cast<std::size_t>(t[(k + 1) % 3])].position)
-                              .norm());
-      }
-    }
+    const std::vector<double> of_side = contact_edge_lengths(side.model);
+    lengths.insert(lengths.end(), of_side.begin(), of_side.end());
   }
-  if (lengths.empty()) return 0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return lengths.empty() ? 0 : geometry::median(std::move(lengths));
 }
 
 /// Contacts sorted by x, to find those near a place.

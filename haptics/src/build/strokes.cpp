@@ -8,11 +8,12 @@
 #include <numbers>
 #include <random>
 
+#include "build/contact_edges.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/median.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/playback.h"
-#include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
 namespace {
@@ -110,18 +111,8 @@ DepthLimit depth_limit(const Model& model, const StrokeSettings& settings) {
 
 // [mm] Median length of the edges between contacts.
 double usual_distance(const Model& model) {
-  std::vector<double> lengths;
-  for (const auto& t : model.triangles.colwise()) {
-    for (int k = 0; k < 3; ++k) {
-      lengths.push_back((model.contacts[static_cast<std::size_t>(t[k])].position -
-                         model.contacts[static_cast<std::size_t>(t[(k + 1) % 3])].position)
-                            .norm());
-    }
-  }
-  if (lengths.empty()) return 0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::ranges::nth_element(lengths, middle);
-  return *middle;
+  std::vector<double> lengths = contact_edge_lengths(model);
+  return lengths.empty() ? 0 : geometry::median(std::move(lengths));
 }
 
 // The tool moves along a straight way, as long as the force is below a limit. Returns the last
