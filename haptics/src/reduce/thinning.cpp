@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/thinning.h"
+#include "reduce/thinning.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "build/contact_subset.h"
 #include "palpate/haptics/blended_field.h"
+#include "reduce/contact_subset.h"
 
 namespace palpate::haptics {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/reduced_response.h"
+#include "reduce/reduced_response.h"
 
 #include <gtest/gtest.h>
 

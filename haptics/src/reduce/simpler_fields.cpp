@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/simpler_fields.h"
+#include "reduce/simpler_fields.h"
 
 #include <algorithm>
 #include <array>

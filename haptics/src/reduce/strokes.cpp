@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/strokes.h"
+#include "reduce/strokes.h"
 
 #include <algorithm>
 #include <cmath>

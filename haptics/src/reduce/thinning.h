@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "build/strokes.h"
 #include "palpate/haptics/model.h"
+#include "reduce/strokes.h"
 
 namespace palpate::haptics {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/reduced_uncertainty.h"
+#include "reduce/reduced_uncertainty.h"
 
 #include <algorithm>
 #include <cmath>

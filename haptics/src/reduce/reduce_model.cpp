@@ -11,15 +11,15 @@
 #include <numeric>
 #include <utility>
 
-#include "build/contact_subset.h"
-#include "build/reduced_response.h"
-#include "build/reduced_uncertainty.h"
-#include "build/simpler_fields.h"
-#include "build/strokes.h"
-#include "build/thinning.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/haptics/model_io.h"
+#include "reduce/contact_subset.h"
+#include "reduce/reduced_response.h"
+#include "reduce/reduced_uncertainty.h"
+#include "reduce/simpler_fields.h"
+#include "reduce/strokes.h"
+#include "reduce/thinning.h"
 
 namespace palpate::haptics {
 namespace {

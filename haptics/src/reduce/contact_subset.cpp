@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/contact_subset.h"
+#include "reduce/contact_subset.h"
 
 #include <algorithm>
 #include <functional>

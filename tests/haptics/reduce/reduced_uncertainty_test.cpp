@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/reduced_uncertainty.h"
+#include "reduce/reduced_uncertainty.h"
 
 #include <gtest/gtest.h>
 
-#include "build/contact_subset.h"
 #include "palpate/haptics/blended_field.h"
+#include "reduce/contact_subset.h"
 #include "sheet_model.h"
 
 namespace palpate::haptics {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "build/strokes.h"
 #include "palpate/haptics/model.h"
+#include "reduce/strokes.h"
 
 namespace palpate::haptics {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "build/strokes.h"
+#include "reduce/strokes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
