@@ -3,6 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -67,5 +70,20 @@ class DocumentNode {
   const DocumentPart* part_;
   const nlohmann::json* value_;
 };
+
+/// The value whose name by `to_string` the node contains.
+template <typename Value, std::size_t N>
+[[nodiscard]] Value choice(const DocumentNode& node, const std::array<Value, N>& values) {
+  std::array<const char*, N> words;
+  std::ranges::transform(values, words.begin(), [](Value value) { return to_string(value); });
+  return values[node.choice(words)];
+}
+
+template <typename Value, std::size_t N>
+[[nodiscard]] std::optional<Value> choice(const std::optional<DocumentNode>& node,
+                                          const std::array<Value, N>& values) {
+  if (!node) return std::nullopt;
+  return choice(*node, values);
+}
 
 }  // namespace palpate::haptics
