@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -14,9 +15,11 @@
 #include <vector>
 
 #include "cgal_availability.h"
+#include "hump_model.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/contact_strength.h"
 #include "palpate/haptics/rounding.h"
 #include "sheet_model.h"
 #include "sphere_model.h"
@@ -53,6 +56,27 @@ std::vector<SideModel> halves_of_a_dome() {
         [turn](int i) { return turn * i; });
   };
   return {{.model = part(1, 1.9)}, {.model = part(-1, -2.3)}};
+}
+
+// The part of a model that `covers` wants.
+Model part_of(const Model& model, const std::function<bool(const Vector3d&)>& covers) {
+  Model part = model;
+  std::erase_if(part.contacts,
+                [&](const ContactModel& contact) { return !covers(contact.position); });
+  Eigen::Index kept = 0;
+  for (const auto& t : model.surface.triangles.colwise()) {
+    if (covers(model.surface.vertices(Eigen::all, t).rowwise().mean()))
+      part.surface.triangles.col(kept++) = t;
+  }
+  part.surface.triangles.conservativeResize(3, kept);
+  const geometry::SurfaceQuery query(part.surface);
+  std::vector<geometry::SurfacePoint> places;
+  for (const ContactModel& contact : part.contacts)
+    places.push_back(query.closest_point(contact.position).at);
+  geometry::ContactTriangulation found = geometry::triangulate_contacts(part.surface, places);
+  part.triangles = std::move(found.mesh.triangles);
+  part.surface_weights = std::move(found.weights);
+  return part;
 }
 
 // [N] the largest change of the force between places that follow each other on the way from `from`
@@ -130,6 +154,24 @@ TEST(MergeModels, BlendsCompliancesLikeOneModelIfItsSidesDo) {
   const Model forces = merge_models(sides).model;
   EXPECT_EQ(forces.interpolation, Interpolation{});
   for (const ContactModel& contact : forces.contacts) EXPECT_FALSE(contact.compliance);
+}
+
+// What a side learnt without the contacts of the other does not stay.
+TEST(MergeModels, BlendsForcesByTheStrengthsOfAllContacts) {
+  const Model whole = hump_model(14);
+  const Eigen::Isometry3d away = some_motion();
+  const Model right = part_of(whole, [](const Vector3d& p) { return p.x() > -kOverlap; });
+  const Model left = part_of(whole, [](const Vector3d& p) { return p.x() < kOverlap; });
+  const Model merged =
+      merge_models(std::vector<SideModel>{{.model = with_strengths(right, 7)},
+                                          {.model = with_strengths(moved(left, away), 6),
+                                           .T_object_model = away.inverse()}})
+          .model;
+  EXPECT_NO_THROW(check_model(merged));
+  ASSERT_EQ(merged.contacts.size(), whole.contacts.size());
+  EXPECT_EQ(merged.interpolation.rule, BlendRule::forces);
+  EXPECT_EQ(merged.interpolation.reference_depth, 6);  // to which both were pressed
+  expect_strengths_of_hump(merged);
 }
 
 TEST(MergeModels, KeepsHowForcesDependOnLoadAndRate) {

@@ -5,8 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hump_model.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/contact_strength.h"
 #include "palpate/haptics/rounding.h"
 #include "sheet_model.h"
 #include "sphere_model.h"
@@ -72,6 +74,23 @@ TEST(TransferModel, ScalesForcesAsScalingDoes) {
     EXPECT_NEAR(result.model.interpolation.reference_force, truth.interpolation.reference_force,
                 1e-6);
   }
+}
+
+TEST(TransferModel, BlendsForcesByTheStrengthsOfTheContactsThere) {
+  const Model model = hump_model(14);
+  Eigen::Affine3d pose(some_motion());
+  pose.scale(1.5);
+  geometry::TriangleMesh target = model.surface;
+  target.vertices = pose * target.vertices;
+  const geometry::SurfaceMap map = geometry::map_surface(
+      model.surface, target, {.source = corners(model.surface), .target = corners(target)});
+  const Model there =
+      transfer_model(with_strengths(model, 6), target, map, {.forces = ForceScaling::material})
+          .model;
+  EXPECT_NO_THROW(check_model(there));
+  EXPECT_EQ(there.interpolation.rule, BlendRule::forces);
+  EXPECT_NEAR(there.interpolation.reference_depth, 1.5 * 6, 1e-6);
+  expect_strengths_of_hump(there, pose);
 }
 
 TEST(TransferModel, TriangulatesAsTheModelAndKeepsNothingOfTheAcquisition) {

@@ -5,10 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "hump_model.h"
 #include "palpate/haptics/blended_field.h"
 #include "sheet_model.h"
 
@@ -18,30 +18,6 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr double kDepth = 6;  // [mm] the reference depth
-
-// How much stiffer than far away an object is at a place: a hump as wide as a few contacts.
-double stiffness_at(double x, double y) { return 1 + 3 * std::exp(-(x * x + y * y) / 500); }
-
-// One shape of field everywhere, which stiffens with the depth.
-ForceField field_at(double x, double y) {
-  const double scale = stiffness_at(x, y);
-  return {{{0.8 * scale, 12.0}, {0.5 * scale, 3.0, {0, 0, 8}}}};
-}
-
-Model hump_model(double spacing) { return grid_model(spacing, field_at); }
-
-double worst_error_of_hump(const Model& model) {
-  const BlendedField field(model);
-  double worst = 0;
-  for (double x = -40; x <= 40; x += 3.1) {
-    const double y = 0.4 * x + 1;
-    for (const Eigen::Vector3d& d : {Eigen::Vector3d(0, 0, 8), Eigen::Vector3d(2, -1, 4)}) {
-      const Eigen::Vector3d error = field.force({x, y, 700}, d) - force(field_at(x, y), d);
-      worst = std::max(worst, error.norm());
-    }
-  }
-  return worst;
-}
 
 TEST(WithStrengths, TakesTheMeanForceOfAPress) {
   const Model model = with_strengths(hump_model(14), kDepth);
@@ -109,13 +85,13 @@ TEST(WithStrengths, MovesWithTheWorldAndDoesNotDependOnATurnOfTheLocalAxes) {
 
 TEST(WithStrengths, OfAnObjectThatIsTheSameEverywhereChangesNothing) {
   Model model = hump_model(14);
-  for (ContactModel& contact : model.contacts) contact.field = field_at(0, 0);
+  for (ContactModel& contact : model.contacts) contact.field = hump_field(0, 0);
   const BlendedField field(with_strengths(model, kDepth));
   const Eigen::Vector3d displacement(1, 1, 4);
   for (double x = -48; x <= 48; x += 3.7) {
-    EXPECT_LT(
-        (field.force({x, 0.3 * x, 700}, displacement) - force(field_at(0, 0), displacement)).norm(),
-        1e-9);
+    EXPECT_LT((field.force({x, 0.3 * x, 700}, displacement) - force(hump_field(0, 0), displacement))
+                  .norm(),
+              1e-9);
   }
 }
 
