@@ -254,14 +254,14 @@ def register_points(
     points: _Numbers,
     target: TriangleMesh,
     *,
-    method: Literal["point_to_triangle", "point_to_plane", "point_to_point"] = ...,
     start: _Numbers | None = ...,
+    progress: _Progress = ...,
+    method: Literal["point_to_triangle", "point_to_plane", "point_to_point"] = ...,
     search_rotation: float = ...,
     search_translation: float = ...,
     min_overlap: float = ...,
     max_rms: float = ...,
     max_iterations: int = ...,
-    progress: _Progress = ...,
 ) -> Registration: ...
 
 class MergedScans(_Result):

@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "long_work.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/registration.h"
@@ -19,7 +20,7 @@ using geometry::AllHits;
 using geometry::ClosestPoints;
 using geometry::FirstHits;
 using geometry::Registration;
-using geometry::RegistrationMethod;
+using geometry::RegistrationOptions;
 using geometry::SurfaceQuery;
 using geometry::TriangleMesh;
 using geometry::WindingNumber;
@@ -271,48 +272,35 @@ void add_registration(py::module_& module) {
         return "<palpate.Registration: " + std::string(to_string(found.verdict)) + ": " +
                found.reason + ">";
       });
-  module.def(
-      "register_points",
-      [](const py::object& points, const TriangleMesh& target, const std::string& method,
-         const py::object& start, double search_rotation, double search_translation,
-         double min_overlap, double max_rms, int max_iterations, const py::object& progress) {
-        const Points given(points, "points");
-        LongWork work(progress);
-        const geometry::RegistrationOptions options{
-            .method = choose<RegistrationMethod>(
-                "method", method,
-                {{"point_to_triangle", RegistrationMethod::point_to_triangle},
-                 {"point_to_plane", RegistrationMethod::point_to_plane},
-                 {"point_to_point", RegistrationMethod::point_to_point}}),
-            .T_target_source_start = isometry(start, "start"),
-            .search_rotation = search_rotation,
-            .search_translation = search_translation,
-            .min_overlap = min_overlap,
-            .max_rms = max_rms,
-            .max_iterations = max_iterations,
-            .progress = work.report()};
-        return work.run(
-            [&] { return geometry::register_points(given.columns(), target, options); });
-      },
-      arg("points"), arg("target"), kw_only(), arg("method") = "point_to_triangle",
-      arg("start") = py::none(),
-      arg("search_rotation") = geometry::RegistrationOptions{}.search_rotation,
-      arg("search_translation") = geometry::RegistrationOptions{}.search_translation,
-      arg("min_overlap") = geometry::RegistrationOptions{}.min_overlap,
-      arg("max_rms") = geometry::RegistrationOptions{}.max_rms,
-      arg("max_iterations") = geometry::RegistrationOptions{}.max_iterations,
-      arg("progress") = py::none(),
+  RegistrationOptions usual;
+  const std::string doc = described(
+      "register_points(points: ArrayLike, target: TriangleMesh, *, start: ArrayLike | None = None, "
+      "progress: Callable | None = None",
+      "Registration",
       R"(Registers (N, 3) points [mm] rigidly to a mesh, and judges the result.
 
 points: those that are not finite are ignored. A C-contiguous float64 array is read in place.
-method: 'point_to_triangle', 'point_to_plane' or 'point_to_point'.
 start: (4, 4) start pose of the search; None: none of the points is moved.
-search_rotation: [rad] largest rotation error of the start, in [0, pi].
-search_translation: [mm] largest position error of the points' centroid in the start.
-min_overlap: share of the points that belong to the target.
-max_rms: [mm] a pose with a larger rms is not accepted.
 progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
-Raises InvalidInput. A pose that cannot be relied on is a result, not an error: see `accepted`.)");
+Raises InvalidInput. A pose that cannot be relied on is a result, not an error: see `accepted`.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "register_points",
+      [](const py::object& points, const TriangleMesh& target, const py::object& start,
+         const py::object& progress, const py::kwargs& keywords) {
+        const Points given(points, "points");
+        RegistrationOptions options;
+        set_fields(fields_of(options), keywords);
+        options.T_target_source_start = isometry(start, "start");
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run(
+            [&] { return geometry::register_points(given.columns(), target, options); });
+      },
+      arg("points"), arg("target"), kw_only(), arg("start") = py::none(),
+      arg("progress") = py::none(), doc.c_str());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <numbers>
 #include <optional>
 #include <sstream>
 #include <type_traits>
@@ -27,9 +28,41 @@ std::string flag_name(std::string_view field, bool usual) {
   return (usual ? "--no-" : "--") + option_name(field).substr(2);
 }
 
+/// How a command shows numbers of a unit: angles in degrees.
+struct ShownUnit {
+  std::string name;
+  bool is_angle = false;
+
+  explicit ShownUnit(std::string_view unit)
+      : name(unit == "rad" ? "degrees" : unit), is_angle(unit == "rad") {}
+
+  // In this order, pi is 180, and 180 is pi.
+  template <typename Number>
+  [[nodiscard]] Number shown(Number value) const {
+    return is_angle ? static_cast<Number>(value / std::numbers::pi * 180) : value;
+  }
+  template <typename Number>
+  [[nodiscard]] Number meant(Number value) const {
+    return is_angle ? static_cast<Number>(value / 180 * std::numbers::pi) : value;
+  }
+  [[nodiscard]] Interval shown_range(Interval range) const {
+    range.low = shown(range.low);
+    range.high = shown(range.high);
+    return range;
+  }
+};
+
+/// The value of a field as its option takes it.
+std::string shown(const FieldText& field) {
+  const ShownUnit unit(field.unit);
+  const std::optional<double> angle = parse_number<double>(field.text);
+  return unit.is_angle && angle ? fmt::format("{}", unit.shown(*angle)) : field.text;
+}
+
 class OptionMaker : public FieldVisitor {
  public:
-  explicit OptionMaker(CLI::App& command) : command_(command) {}
+  OptionMaker(CLI::App& command, std::span<const std::string_view> only)
+      : command_(command), only_(only) {}
 
   std::vector<CLI::Option*> made;
 
@@ -43,6 +76,7 @@ class OptionMaker : public FieldVisitor {
     add_number(field, value);
   }
   void on_flag(const Field& field, bool value, const std::function<void(bool)>& set) override {
+    if (!is_wanted(field)) return;
     const std::string name = flag_name(field.name, value);
     std::string text = text_of(field);
     if (value)
@@ -51,6 +85,7 @@ class OptionMaker : public FieldVisitor {
                     name, [set, value] { set(!value); }, text));
   }
   void on_choice(const Field& field, const ChoiceField& value) override {
+    if (!is_wanted(field)) return;
     const std::vector<std::string> words(value.words.begin(), value.words.end());
     CLI::Option* option = command_.add_option_function<std::string>(
         option_name(field.name),
@@ -62,6 +97,7 @@ class OptionMaker : public FieldVisitor {
     keep(field, option);
   }
   void on_table(const Field& field, const TableField& value) override {
+    if (!is_wanted(field)) return;
     std::string names;
     for (const auto& column : value.columns)
       names += (names.empty() ? "" : ",") + std::string(column.name);
@@ -85,11 +121,13 @@ class OptionMaker : public FieldVisitor {
 
   template <typename Number>
   void add_number(const Field& field, const NumberField<Number>& value) {
+    if (!is_wanted(field)) return;
+    const ShownUnit unit(field.unit);
     CLI::Option* option = command_.add_option_function<Number>(
-        option_name(field.name), [set = value.set](const Number& given) { set(given); },
-        text_of(field));
-    option->check(checked<Number>(value.range));
-    if (value.value) option->default_str(fmt::format("{}", *value.value));
+        option_name(field.name),
+        [set = value.set, unit](const Number& given) { set(unit.meant(given)); }, text_of(field));
+    option->check(checked<Number>(unit.shown_range(value.range)));
+    if (value.value) option->default_str(fmt::format("{}", unit.shown(*value.value)));
     keep(field, option);
   }
 
@@ -109,7 +147,11 @@ class OptionMaker : public FieldVisitor {
 
   static std::string text_of(const Field& field) {
     return std::string(field.description) +
-           (field.unit.empty() ? "" : " [" + std::string(field.unit) + "]");
+           (field.unit.empty() ? "" : " [" + ShownUnit(field.unit).name + "]");
+  }
+
+  [[nodiscard]] bool is_wanted(const Field& field) const {
+    return only_.empty() || std::ranges::find(only_, field.name) != only_.end();
   }
 
   void keep(const Field& field, CLI::Option* option) {
@@ -118,6 +160,7 @@ class OptionMaker : public FieldVisitor {
   }
 
   CLI::App& command_;
+  std::span<const std::string_view> only_;
 };
 
 /// The innermost subcommand that was called.
@@ -128,15 +171,23 @@ const CLI::App& called(const CLI::App& app) {
 
 }  // namespace
 
-std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields) {
-  OptionMaker maker(command);
+std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields,
+                                     std::span<const std::string_view> only) {
+  OptionMaker maker(command, only);
   fields(maker);
   return maker.made;
 }
 
+void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields) {
+  for (CLI::Option* option : add_fields(command, fields)) {
+    option->needs(&flag);
+    if (option->get_group() != kExpertOptions) option->group("With " + flag.get_name());
+  }
+}
+
 nlohmann::ordered_json option_values(const FieldList& fields) {
   nlohmann::ordered_json values;
-  for (const FieldText& field : texts_of(fields)) values[name_of(field)] = field.text;
+  for (const FieldText& field : texts_of(fields)) values[name_of(field)] = shown(field);
   return values;
 }
 
@@ -151,7 +202,7 @@ std::string changed_options(const FieldList& fields, const FieldList& usual) {
     }
     const std::string option = " " + name_of(now[i]);
     // Each row of a table is given apart.
-    std::istringstream rows(now[i].text);
+    std::istringstream rows(shown(now[i]));
     for (std::string row; std::getline(rows, row, ';');) words += option + " " + row;
   }
   return words;
@@ -168,6 +219,13 @@ std::string field_option(const std::string& name) {
   if (type == std::string::npos) return name;  // an argument, or a place in a file
   const std::string member = name.substr(type + 2);
   return option_name(member.substr(0, member.find_first_of("[.")));
+}
+
+std::string with_names(const InvalidInput& error, const std::map<std::string, std::string>& names) {
+  return error.with_names([&](const std::string& name) {
+    const auto found = names.find(name);
+    return found == names.end() ? field_option(name) : found->second;
+  });
 }
 
 std::string with_option_names(const InvalidInput& error, const CLI::App& app) {

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,9 +19,14 @@ namespace palpate::apps {
 constexpr const char* kExpertOptions = "Expert options";
 
 /// Adds an option for each field of a list: --min-signal for `min_signal`, checked as the list
-/// says. The struct must live as long as the command.
+/// says. Angles [rad] are given in degrees. The struct must live as long as the command.
+/// \param only names of the fields that the command takes; empty: all
 /// \return the options, in the order of the fields.
-std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields);
+std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields,
+                                     std::span<const std::string_view> only = {});
+
+/// The same for fields that have an effect with a flag alone: help lists them after "With --align".
+void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields);
 
 /// The values of all fields by their options, for the records of runs.
 [[nodiscard]] nlohmann::ordered_json option_values(const FieldList& fields);
@@ -33,6 +40,11 @@ std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields)
 
 /// The same for a field with its struct, "DecodeOptions::min_signal"; other names stay.
 [[nodiscard]] std::string field_option(const std::string& name);
+
+/// The message of an error with these names in place of functions ("build_model()") and fields of
+/// the library, and options in place of all other fields.
+[[nodiscard]] std::string with_names(const InvalidInput& error,
+                                     const std::map<std::string, std::string>& names);
 
 /// The message of an error, with the options of the command that was called in place of the fields
 /// of the library.

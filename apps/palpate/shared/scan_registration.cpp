@@ -9,9 +9,7 @@
 #include <optional>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
-#include "shared/call_checks.h"
-#include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {
@@ -24,27 +22,7 @@ void add_scan_registration(CLI::App& command, const std::string& noun,
           "Register each {} rigidly to those before it, starting from its pose; fails (exit "
           "status 1) if no pose is reliable",
           noun));
-  command
-      .add_option("--search-rotation", registration.search_rotation_deg,
-                  "With --register: largest rotation from the start pose [degrees]")
-      ->check(within(at_least(0).at_most(180)))
-      ->capture_default_str()
-      ->needs(here);
-  command
-      .add_option(
-          "--search-translation", registration.options.search_translation,
-          fmt::format("With --register: largest shift of a {}'s centroid from the start pose [mm]",
-                      noun))
-      ->check(within(at_least(0)))
-      ->needs(here);
-  command
-      .add_option("--min-overlap", registration.options.min_overlap,
-                  fmt::format("With --register: smallest share of a {0}'s surface that the {0}s "
-                              "before it must cover",
-                              noun))
-      ->check(within(above(0).at_most(1)))
-      ->capture_default_str()
-      ->needs(here);
+  add_fields_of(*here, command, fields_of(registration.options));
 }
 
 nlohmann::ordered_json register_named_scans(std::vector<geometry::Scan>& scans,
@@ -52,7 +30,6 @@ nlohmann::ordered_json register_named_scans(std::vector<geometry::Scan>& scans,
                                             const std::string& noun,
                                             const ScanRegistration& registration) {
   geometry::RegistrationOptions options = registration.options;
-  options.search_rotation = registration.search_rotation_deg * kDegree;
   std::optional<Progress> progress("registering");
   options.progress = [&](int done, int total) { progress->show(done, total); };
   const std::vector<geometry::Registration> moves = geometry::register_scans(scans, options);

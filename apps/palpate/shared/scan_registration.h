@@ -14,7 +14,6 @@ namespace palpate::apps {
 /// Whether and how views of an object are registered to each other.
 struct ScanRegistration {
   bool wanted = false;
-  double search_rotation_deg = 45;
   geometry::RegistrationOptions options;
 };
 

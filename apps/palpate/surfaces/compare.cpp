@@ -28,6 +28,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/depth_score.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
 #include "surfaces/in_both.h"
@@ -43,9 +44,7 @@ constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);
 struct CompareCall {
   fs::path a, b, rig, mask, section, picture, aligned;
   bool align = false;
-  geometry::RegistrationMethod method = geometry::RegistrationOptions{}.method;
-  double search_rotation_deg = 45;
-  double search_translation = std::numeric_limits<double>::infinity();
+  geometry::RegistrationOptions registration;
   double section_y = 0;
   double within = std::numeric_limits<double>::infinity();
   geometry::ReadOptions meshes;
@@ -152,11 +151,8 @@ Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
                                         const geometry::TriangleMesh& b) {
   Progress progress("aligning");
-  const geometry::RegistrationOptions options{
-      .method = call.method,
-      .search_rotation = call.search_rotation_deg * kDegree,
-      .search_translation = call.search_translation,
-      .progress = [&](int done, int total) { progress.show(done, total); }};
+  geometry::RegistrationOptions options = call.registration;
+  options.progress = [&](int done, int total) { progress.show(done, total); };
   if (geometry::surface_area(a) <= geometry::surface_area(b))
     return geometry::register_points(thinned(a.vertices), b, options);
   geometry::Registration found = geometry::register_points(thinned(b.vertices), a, options);
@@ -288,35 +284,10 @@ void add_compare(CLI::App& app, const Settings& settings) {
       "--align", call->align,
       "First register A rigidly to B; one may be a part of the other. Fails (exit status 1) if no "
       "pose is reliable");
-  add_choice<geometry::RegistrationMethod>(
-      *command, "--method", call->method,
-      {{"point_to_triangle", geometry::RegistrationMethod::point_to_triangle},
-       {"point_to_plane", geometry::RegistrationMethod::point_to_plane},
-       {"point_to_point", geometry::RegistrationMethod::point_to_point}},
-      "With --align: method that refines the pose. point_to_triangle (default) uses the triangles "
-      "themselves and is the most accurate; point_to_plane (PCL's ICP with normals) suits fine "
-      "meshes with little noise; point_to_point (PCL's ICP) needs no normals, but is limited by "
-      "the spacing of the vertices")
-      ->needs(align);
+  add_fields_of(*align, *command, fields_of(call->registration));
   command
       ->add_option("-o,--output", call->aligned,
                    "With --align: also write surface A at its new pose (.ply, .obj or .stl)")
-      ->needs(align);
-  command
-      ->add_option("--search-rotation", call->search_rotation_deg,
-                   "With --align: largest rotation of A from its given pose [degrees]")
-      ->check(within(at_least(0).at_most(180)))
-      ->capture_default_str()
-      ->needs(align);
-  command
-      ->add_option(
-          "--search-translation", call->search_translation,
-          "With --align: largest distance of the smaller surface's centroid from its final "
-          "position "
-          "[mm] (default: unknown; then the smaller surface must cover the larger one or start "
-          "close to "
-          "its final place)")
-      ->check(within(at_least(0)))
       ->needs(align);
   command
       ->add_option("--within", call->within,

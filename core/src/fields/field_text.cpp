@@ -41,7 +41,8 @@ class TextWriter : public FieldVisitor {
   }
 
   void add(const Field& field, std::string text) {
-    texts.push_back({std::string(field.name), std::string(field.item), std::move(text)});
+    texts.push_back({std::string(field.name), std::string(field.item), std::string(field.unit),
+                     std::move(text)});
   }
 };
 

@@ -5,7 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "base/numbers.h"
@@ -23,6 +26,9 @@ namespace palpate::geometry {
 namespace {
 
 constexpr int kMinPoints = 3;
+
+constexpr std::array<std::string_view, 3> kMethods{"point_to_triangle", "point_to_plane",
+                                                   "point_to_point"};
 
 /// Steps of the work: the rounds of the search, its choice, the refinement with some points and
 /// with all, and the verdict.
@@ -68,12 +74,7 @@ constexpr double kFirstStep = 0.5;
 constexpr double kLeastCurvature = 0.5;
 
 void check_options(const RegistrationOptions& options) {
-  require("RegistrationOptions::max_iterations", options.max_iterations, at_least(1));
-  require("RegistrationOptions::search_rotation", options.search_rotation,
-          at_least(0).at_most(std::numbers::pi), "rad");
-  require("RegistrationOptions::search_translation", options.search_translation, at_least(0), "mm");
-  require("RegistrationOptions::min_overlap", options.min_overlap, above(0).at_most(1));
-  require("RegistrationOptions::max_rms", options.max_rms, above(0), "mm");
+  static_cast<void>(in_range(options));
   if (!is_rigid(options.T_target_source_start)) {
     throw InvalidInput(
         "RegistrationOptions::T_target_source_start is not a rotation and a finite shift");
@@ -311,6 +312,38 @@ Registration register_to(const RegistrationTarget::Impl& surface,
 }
 
 }  // namespace
+
+void visit(RegistrationOptions& options, FieldVisitor& visitor) {
+  constexpr bool kExpert = true;
+  visitor.begin("RegistrationOptions");
+  visitor.choice(
+      {"method",
+       "Method that refines the pose: point_to_triangle uses the triangles themselves and is the "
+       "most accurate; point_to_plane (PCL's ICP with normals) suits fine meshes with little "
+       "noise; point_to_point (PCL's ICP) needs no normals, but is limited by the spacing of the "
+       "vertices"},
+      options.method, kMethods);
+  visitor.real(
+      {"search_rotation",
+       "Largest rotation from the start pose, about the centroid of what is registered", "rad"},
+      options.search_rotation, at_least(0).at_most(std::numbers::pi));
+  visitor.real({"search_translation",
+                "Largest shift of that centroid from the start pose; inf: unknown, then what is "
+                "registered must cover the surface or start close to its final place",
+                "mm"},
+               options.search_translation, at_least(0));
+  visitor.real({"min_overlap",
+                "Smallest share of what is registered that must lie on the surface; a pose with "
+                "less is not accepted"},
+               options.min_overlap, above(0).at_most(1));
+  visitor.real({"max_rms",
+                "Largest root mean square distance from the surface; a pose with more is not "
+                "accepted",
+                "mm", kExpert},
+               options.max_rms, above(0));
+  visitor.whole({"max_iterations", "Largest number of iterations of the refinement", "", kExpert},
+                options.max_iterations, at_least(1));
+}
 
 Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                              const RegistrationTarget& target, const RegistrationOptions& options) {

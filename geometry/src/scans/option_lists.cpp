@@ -4,6 +4,7 @@
 
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/surface_tracker.h"
+#include "palpate/geometry/registration.h"
 
 namespace palpate::geometry {
 
@@ -15,3 +16,5 @@ void visit_options(FieldVisitor& visitor) {
 }
 
 }  // namespace palpate::geometry
+  RegistrationOptions registration;
+  visit(registration, visitor);

@@ -76,11 +76,10 @@ void visit(DecodeOptions& options, FieldVisitor& visitor) {
   visitor.real({"max_phase_sigma",
                 "Largest standard deviation of a phase that is used, as the noise of the frame and "
                 "the misfit of the sinusoid predict it",
-                "rad", kExpert},
+                "rad of phase", kExpert},
                options.max_phase_sigma, above(0).finite());
-  visitor.real(
-      {"min_hue_step", "Least change of the hue per pixel at a stripe edge", "rad", kExpert},
-      options.min_hue_step, above(0).below(kPi));
+  visitor.real({"min_hue_step", "Least change of the hue at a stripe edge", "rad/px", kExpert},
+               options.min_hue_step, above(0).below(kPi));
   visitor.whole({"color_window_px",
                  "Pixels on each side of a stripe edge that classify its colours; fewer in narrow "
                  "stripes",
@@ -97,7 +96,7 @@ void visit(DecodeOptions& options, FieldVisitor& visitor) {
                options.max_phase_variance, above(0).finite());
   visitor.real(
       {"max_phase_step", "Largest change of the phase from a pixel to the next within a region",
-       "rad", kExpert},
+       "rad/px", kExpert},
       options.max_phase_step, above(0).below(kPi));
   visitor.real({"min_agreement",
                 "Least share of the stripe edges that must agree on a phase offset, and of the "

@@ -5,8 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <numbers>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "palpate/geometry/registration.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/sensing/decode.h"
 #include "shared/command_line.h"
@@ -77,6 +82,7 @@ TEST_F(FieldOptions, OfExpertsAreInTheLongHelpAlone) {
   EXPECT_THAT(usual, HasSubstr("[periods of the sinusoid]"));
   EXPECT_THAT(usual, Not(HasSubstr("--min-signal")));
   EXPECT_THAT(all, HasSubstr("--min-signal"));
+  EXPECT_THAT(all, HasSubstr("--max-phase-sigma FLOAT:> 0 and finite=0.25")) << "is no angle";
   EXPECT_THAT(all, HasSubstr(kExpertOptions));
 }
 
@@ -104,6 +110,51 @@ TEST_F(FieldOptions, NameTheFieldsInErrorsOfTheLibrary) {
     EXPECT_EQ(with_option_names(error, app), "hold_ticks is -1 ticks; it must be >= 0")
         << "the command has no such option";
   }
+}
+
+TEST_F(FieldOptions, TakeAnglesInDegrees) {
+  geometry::RegistrationOptions turned;
+  CLI::App other{"Test", "palpate"};
+  add_fields(other, fields_of(turned));
+  EXPECT_THAT(other.help(), HasSubstr("--search-rotation FLOAT:in [0, 180]=45"));
+  EXPECT_THAT(other.help(), HasSubstr("[degrees]"));
+  other.parse("--search-rotation 180");
+  EXPECT_EQ(turned.search_rotation, std::numbers::pi);
+  EXPECT_EQ(option_values(fields_of(turned))["--search-rotation"], "180");
+  turned.search_rotation = std::numbers::pi / 3;
+  geometry::RegistrationOptions usual;
+  const std::string words = changed_options(fields_of(turned), fields_of(usual));
+  other.parse(words);
+  EXPECT_NEAR(turned.search_rotation, std::numbers::pi / 3, 1e-15);
+  EXPECT_THAT(words, HasSubstr(" --search-rotation 6")) << "60, or as near as numbers are";
+}
+
+TEST_F(FieldOptions, AreThoseThatACommandWants) {
+  CLI::App other{"Test", "palpate"};
+  constexpr std::array<std::string_view, 2> kWanted{"half_resolution", "min_signal"};
+  EXPECT_EQ(add_fields(other, fields_of(options), kWanted).size(), 2U);
+  EXPECT_NE(other.get_option_no_throw("--min-signal"), nullptr);
+  EXPECT_EQ(other.get_option_no_throw("--window-periods"), nullptr);
+}
+
+TEST_F(FieldOptions, OfAFlagAreRefusedWithoutIt) {
+  geometry::RegistrationOptions turned;
+  CLI::Option* align = command->add_flag("--align");
+  add_fields_of(*align, *command, fields_of(turned));
+  EXPECT_THAT(command->help(), HasSubstr("With --align"));
+  EXPECT_THAT(refusal("--min-overlap 0.2"), HasSubstr("--align"));
+  EXPECT_EQ(refusal("--align --min-overlap 0.2"), "");
+  EXPECT_EQ(turned.min_overlap, 0.2);
+}
+
+TEST_F(FieldOptions, AndFunctionsAreCalledWhatTheCommandCallsThem) {
+  const InvalidInput error(std::vector<MessagePart>{{"fit()", true},
+                                                    {": too few presses; give "},
+                                                    {"FitOptions::count", true},
+                                                    {" or "},
+                                                    {"FitOptions::max_bases", true}});
+  EXPECT_EQ(with_names(error, {{"fit()", "a.db"}, {"FitOptions::count", "--presses"}}),
+            "a.db: too few presses; give --presses or --max-bases");
 }
 
 TEST_F(FieldOptions, ThatDifferMakeACallThatSetsThem) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/core/fields.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -25,6 +26,7 @@ struct ToolOptions {
   bool is_rigid = true;
   Shape shape = Shape::ball;
   std::optional<int> edges = std::nullopt;
+  unsigned seed = 1;
   TableField::Rows marks = {};
 };
 
@@ -35,6 +37,7 @@ void visit(ToolOptions& options, FieldVisitor& visitor) {
   visitor.flag({"is_rigid", "The tool does not bend"}, options.is_rigid);
   visitor.choice({"shape", "Shape of the tip"}, options.shape, kShapes);
   visitor.whole({"edges", "Number of edges"}, options.edges, at_least(3));
+  visitor.whole({"seed", "Seed of what is random"}, options.seed, at_least(0));
   visitor.table({"marks", "Marks on the tool"},
                 {options.marks, kMarks, [&](const auto& rows) { options.marks = rows; }});
 }
@@ -59,6 +62,8 @@ TEST(Fields, OutOfRangeAreRefusedByName) {
             "ToolOptions::radius is nan mm; it must be > 0 and finite");
   EXPECT_EQ(refusal_of({.points = 0}), "ToolOptions::points is 0; it must be >= 1");
   EXPECT_EQ(refusal_of({.edges = 2}), "ToolOptions::edges is 2; it must be >= 3");
+  // No front end could give it: whole numbers are signed.
+  EXPECT_THAT(refusal_of({.seed = 3'000'000'000}), ::testing::StartsWith("ToolOptions::seed is -"));
   EXPECT_EQ(refusal_of({.marks = {{1, 2}, {1, 0}}}),
             "ToolOptions::marks[1].depth is 0; it must be > 0");
 }

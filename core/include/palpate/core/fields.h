@@ -19,8 +19,9 @@ struct Field {
   std::string_view name;  ///< as in C++ and Python, "min_signal"; on the command line --min-signal
   /// One sentence for users, without the unit, the range and the default, which follow it.
   std::string_view description;
-  std::string_view unit = {};  ///< "mm", "rad", "px"; empty: a plain number
-  bool expert = false;         ///< few users set it: --help-all shows it, and --help does not
+  /// "mm", "px"; "rad": an angle, which the command line takes in degrees; empty: a plain number
+  std::string_view unit = {};
+  bool expert = false;  ///< few users set it: --help-all shows it, and --help does not
   /// For a list that the command line takes item by item: the name of one, "anchor" of "anchors".
   std::string_view item = {};
 };
@@ -87,6 +88,10 @@ class FieldVisitor {
   }
   void whole(const Field& field, int& value, const Interval& range) {
     on_whole(field, {value, range, false, [&value](auto given) { value = *given; }});
+  }
+  void whole(const Field& field, unsigned& value, const Interval& range) {
+    on_whole(field, {static_cast<int>(value), range, false,
+                     [&value](auto given) { value = static_cast<unsigned>(*given); }});
   }
   void whole(const Field& field, std::optional<int>& value, const Interval& range) {
     on_whole(field, {value, range, true, [&value](auto given) { value = given; }});

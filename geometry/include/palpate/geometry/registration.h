@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
@@ -28,29 +29,28 @@ enum class RegistrationMethod {
   point_to_point
 };
 
+/// `visit` describes the fields.
 struct RegistrationOptions {
   RegistrationMethod method = RegistrationMethod::point_to_triangle;
   /// Start pose of the search.
   Eigen::Isometry3d T_target_source_start = Eigen::Isometry3d::Identity();
-  /// [rad] largest rotation error of the start pose about the points' centroid; in [0, pi]. Poses
-  /// beyond it are not searched, and the verdict does not consider them, unless the pose found is
-  /// itself beyond it: then the verdict considers all poses as far from the start as that.
+  /// Poses beyond it are not searched, and the verdict does not consider them, unless the pose
+  /// found is itself beyond it: then the verdict considers all poses as far from the start as that.
   double search_rotation = std::numbers::pi / 4;
-  /// [mm] largest position error of the points' centroid in the start pose; >= 0. Infinity means
-  /// unknown, which works if the points cover the target or start within 10 % of its diagonal.
-  /// Points of a part of the target that start farther away need a finite value; the time grows
-  /// with its cube. If this and `search_rotation` are 0, there is no search.
+  /// Infinity means unknown, which works if the points cover the target or start within 10 % of its
+  /// diagonal. Points of a part of the target that start farther away need a finite value; the time
+  /// grows with its cube. If this and `search_rotation` are 0, there is no search.
   double search_translation = std::numeric_limits<double>::infinity();
-  /// Fraction of the points that belong to the target; in (0, 1]. A pose with fewer is not
-  /// accepted; at least half of these must fit for the pose to be found.
+  /// At least half of these must fit for the pose to be found.
   double min_overlap = 0.5;
-  /// [mm] a pose with a larger `rms` is not accepted; > 0.
   double max_rms = std::numeric_limits<double>::infinity();
-  int max_iterations = 100;  ///< of the refinement; >= 1
+  int max_iterations = 100;
   /// Called in the calling thread after each part of the work and each of its own iterations (not
   /// those of PCL); the last call has done == total. What it throws ends the registration.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(RegistrationOptions& options, FieldVisitor& visitor);
 
 enum class RegistrationVerdict {
   accepted,
