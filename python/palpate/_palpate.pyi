@@ -823,7 +823,6 @@ def plan_contacts(
     contacts: int | None = ...,
     directions: int = ...,
     max_force: float = ...,
-    tip_radius: float = ...,
 ) -> ContactPlan: ...
 def bake(
     specimen: Specimen,
@@ -840,15 +839,21 @@ def probe(
     path: _Path,
     *,
     arm: Literal["quasi-static", "virtual"] = ...,
-    strategy: Literal["pooled", "bisection"] = ...,
-    seed: int = ...,
     progress: _Progress = ...,
 ) -> Acquisition: ...
 
 class ArmState(_Result):
     @property
+    sensor: _Numbers | None = ...,
+    pattern: Literal["farthest_point", "grid"] = ...,
     def time(self) -> float: ...
     @property
+    tip_radius: float = ...,
+    border: float = ...,
+    view_angle: float = ...,
+    lowest_force: float = ...,
+    highest_force: float | None = ...,
+    levels: int = ...,
     def tip(self) -> _Float64: ...
     @property
     def joints(self) -> _Float64: ...
@@ -871,6 +876,23 @@ class VirtualArm(metaclass=_Class):
 class LoopState(metaclass=_Class):
     def __init__(self) -> None: ...
     @property
+    strategy: Literal["pooled", "bisection", "adaptive"] = ...,
+    resolution: float = ...,
+    friction_accuracy: float = ...,
+    until: float = ...,
+    max_hours: float = ...,
+    max_samples: int = ...,
+    reference_every: int = ...,
+    seed: int = ...,
+    cautious: float = ...,
+    most_failures: int = ...,
+    clearance: float = ...,
+    travel_limit: float = ...,
+    touch_limit: float = ...,
+    settle_limit: float = ...,
+    lift_limit: float = ...,
+    position_noise: float = ...,
+    force_noise: float = ...,
     def state(self) -> _Touch: ...
 
 class Command(_Result):

@@ -10,6 +10,7 @@
 #include "palpate/core/error.h"
 #include "palpate/geometry/option_lists.h"
 #include "palpate/haptics/option_lists.h"
+#include "palpate/probing/option_lists.h"
 #include "palpate/sensing/option_lists.h"
 
 namespace palpate::python {
@@ -155,6 +156,7 @@ py::list option_lists() {
   Describer describer;
   geometry::visit_options(describer);
   sensing::visit_options(describer);
+  probing::visit_options(describer);
   haptics::visit_options(describer);
   py::list lists;
   for (const auto& [type, described] : describer.lists) {

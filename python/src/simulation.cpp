@@ -7,8 +7,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "long_work.h"
-#include "palpate/core/require.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_setup.h"
@@ -26,7 +26,6 @@ namespace fs = std::filesystem;
 using probing::ArmState;
 using probing::ContactPlan;
 using probing::PlanOptions;
-using probing::TrialStrategy;
 using probing::VirtualArm;
 
 /// A simulated object, and the text that it was made of.
@@ -133,34 +132,27 @@ void add_plan(py::module_& module) {
           "write",
           [](const ContactPlan& plan, const fs::path& path) { probing::write_plan(path, plan); },
           arg("path"), "Writes plan.json, for `palpate probe run`. Raises OutputError.");
-  const PlanOptions usual;
+  PlanOptions usual;
+  const std::string doc = described(
+      "plan_contacts(surface: TriangleMesh, *, sensor: ArrayLike | None = None", "ContactPlan",
+      R"(Plans contacts on a surface, as `palpate probe plan` does.
+
+sensor: [mm] (3,) its position, None: the origin; contacts are where it sees the surface well.
+Raises InvalidInput if no place may be probed. Ctrl-C is not heard.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
   module.def(
       "plan_contacts",
-      [](const geometry::TriangleMesh& surface, double spacing, const std::optional<int>& contacts,
-         int directions, double max_force, double tip_radius) {
+      [](const geometry::TriangleMesh& surface, const py::object& sensor,
+         const py::kwargs& keywords) {
         PlanOptions options;
-        options.spacing = spacing;
-        options.contacts = contacts.value_or(options.contacts);
-        options.directions = directions;
-        require("max_force", max_force, above(0).finite(), "N");
-        options.max_force = max_force;
-        options.highest_force *= max_force / PlanOptions{}.max_force;
-        options.lowest_force *= max_force / PlanOptions{}.max_force;
-        options.tip_radius = tip_radius;
+        set_fields(fields_of(options), keywords);
+        if (!sensor.is_none()) options.sensor = vector3(sensor, "sensor");
         const Unlocked unlocked;
         return probing::plan_contacts(surface, options);
       },
-      arg("surface"), kw_only(), arg("spacing") = usual.spacing, arg("contacts") = py::none(),
-      arg("directions") = usual.directions, arg("max_force") = usual.max_force,
-      arg("tip_radius") = usual.tip_radius,
-      R"(Plans contacts on a surface that the sensor at the origin sees.
-
-spacing: [mm] least distance of contacts.
-contacts: largest number of them; None: no limit.
-directions: number of tangential forces under each normal force.
-max_force: [N] most force; the levels of the normal force are in proportion.
-tip_radius: [mm] of the ball that touches.
-Raises InvalidInput if no place may be probed. Ctrl-C is not heard.)");
+      arg("surface"), kw_only(), arg("sensor") = py::none(), doc.c_str());
 }
 
 haptics::BuildResult bake(const Specimen& specimen, const PlanOptions& plan,
@@ -186,7 +178,7 @@ void add_bake(py::module_& module) {
          int directions, double max_force, const py::object& progress) {
         PlanOptions plan;
         plan.spacing = spacing;
-        plan.contacts = contacts.value_or(plan.contacts);
+        plan.contacts = contacts;
         plan.directions = directions;
         plan.max_force = max_force;
         return bake(specimen, plan, progress);
@@ -263,27 +255,30 @@ probing::CheckedAcquisition probe(const ContactPlan& plan, const Specimen& speci
 }
 
 void add_probe(py::module_& module) {
-  module.def(
-      "probe",
-      [](const ContactPlan& plan, const Specimen& specimen, const fs::path& path,
-         const std::string& arm, const std::string& strategy, unsigned seed,
-         const py::object& progress) {
-        probing::CampaignOptions options;
-        options.strategy = choose<TrialStrategy>(
-            "strategy", strategy,
-            {{"pooled", TrialStrategy::pooled}, {"bisection", TrialStrategy::bisection}});
-        options.seed = seed;
-        return probe(plan, specimen, path, arm, options, progress);
-      },
-      arg("plan"), arg("specimen"), arg("path"), kw_only(), arg("arm") = "quasi-static",
-      arg("strategy") = "pooled", arg("seed") = 1U, arg("progress") = py::none(),
+  probing::CampaignOptions usual;
+  const std::string doc = described(
+      "probe(plan: ContactPlan, specimen: Specimen, path: str | PathLike, *, arm: "
+      "Literal['quasi-static', 'virtual'] = 'quasi-static', progress: Callable | None = None",
+      "Acquisition",
       R"(Probes a simulated object by a plan with a simulated arm, as `palpate probe run` does.
 
 path: of the database to write (acquisition.db); it must not exist. Each trial is stored at once.
 arm: 'quasi-static', equilibria with the errors of an arm, or 'virtual', with its 1 kHz loop.
-strategy: how tangential forces are chosen: 'pooled' or 'bisection'.
 progress: called as progress(done, total) after each trial; Ctrl-C is heard then.
-Raises InvalidInput or OutputError.)");
+Raises InvalidInput or OutputError.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "probe",
+      [](const ContactPlan& plan, const Specimen& specimen, const fs::path& path,
+         const std::string& arm, const py::object& progress, const py::kwargs& keywords) {
+        probing::CampaignOptions options;
+        set_fields(fields_of(options), keywords);
+        return probe(plan, specimen, path, arm, options, progress);
+      },
+      arg("plan"), arg("specimen"), arg("path"), kw_only(), arg("arm") = "quasi-static",
+      arg("progress") = py::none(), doc.c_str());
 }
 
 void add_virtual_arm(py::module_& module) {

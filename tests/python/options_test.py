@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each option has one description, and every way to use Palpate takes it."""
 import os
+import subprocess
 import sys
 import unittest
 
@@ -23,6 +24,17 @@ class Options(unittest.TestCase):
             by_command, by_function = options_page.doors(fields, commands, functions)
             self.assertTrue(by_command, f"{struct}: no command has all of its fields")
             self.assertTrue(by_function, f"{struct}: no function of Python has all of its fields")
+
+    def test_commands_take_angles_in_degrees_and_nothing_else(self):
+        commands, angles = options_page.options_of_commands(PROGRAM), 0
+        for struct, fields in _palpate._option_lists():
+            (command, *_), _ = options_page.doors(fields, commands, {})
+            shown = subprocess.run([PROGRAM, *command.split(), "--help-all"], capture_output=True, text=True, check=True).stdout
+            for field in fields:
+                text = shown.split(f"  {options_page.option(field)} ")[1].split("\n  -")[0]
+                self.assertEqual("[degrees]" in text, field["unit"] == "rad", f"{struct}::{field['name']}: {text}")
+                angles += field["unit"] == "rad"
+        self.assertGreaterEqual(angles, 2)
 
     def test_descriptions_are_sentences_without_what_the_list_says_apart(self):
         for struct, fields in _palpate._option_lists():

@@ -78,6 +78,11 @@ class Probing(unittest.TestCase):
             self.assertEqual(len(palpate.read_acquisition(path).force), len(acquisition.force))
             with self.assertRaisesRegex(palpate.OutputError, "acquisition.db"):
                 palpate.probe(plan, body, path)
+            other = pathlib.Path(folder) / "other.db"
+            with self.assertRaisesRegex(palpate.InvalidInput, "adaptive needs a limit"):
+                palpate.probe(plan, body, other, strategy="adaptive")
+            few = palpate.probe(plan, body, other, strategy="adaptive", max_samples=30)
+            self.assertEqual(len(few.force), 30)
         np.testing.assert_array_equal(acquisition.contacts, plan.contacts)
         # Under the normal force alone the tip is where the formula says, to the noise of the arm.
         normals = acquisition.normals[acquisition.contact]

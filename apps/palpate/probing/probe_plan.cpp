@@ -16,8 +16,8 @@
 #include "palpate/probing/specimen_file.h"
 #include "probing/probe.h"
 #include "shared/call_checks.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
-#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -29,7 +29,6 @@ struct PlanCall {
   fs::path surface, specimen, output, picture;
   geometry::ReadOptions read;
   probing::PlanOptions options;
-  double view_angle = 70;  // degrees
   std::vector<double> sensor;
 };
 
@@ -82,23 +81,13 @@ void plan(const Settings& settings, PlanCall call) {
   }
   check_pictures({call.picture});
   check_outputs({call.surface, call.specimen}, {call.output, call.picture});
-  call.options.view_angle = call.view_angle * kDegree;
   if (!call.sensor.empty()) call.options.sensor = Eigen::Vector3d(call.sensor.data());
   const geometry::TriangleMesh mesh =
       call.specimen.empty() ? geometry::read_mesh(call.surface, call.read)
                             : probing::parse_specimen(probing::read_specimen_text(call.specimen),
                                                       call.specimen.string())
                                   ->surface();
-  probing::ContactPlan made;
-  try {
-    made = probing::plan_contacts(mesh, call.options);
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(
-        with_option_names(error.what(), {{"PlanOptions::spacing", "--spacing"},
-                                         {"PlanOptions::tip_radius", "--tip-radius"},
-                                         {"PlanOptions::highest_force", "--highest-force"},
-                                         {"PlanOptions::max_force", "--max-force"}}));
-  }
+  const probing::ContactPlan made = probing::plan_contacts(mesh, call.options);
   probing::write_plan(call.output, made);
   if (!call.picture.empty()) draw_plan(call.picture, mesh, made);
   report_plan(settings, call, made);
@@ -108,58 +97,16 @@ void plan(const Settings& settings, PlanCall call) {
 
 void add_probe_plan(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<PlanCall>();
-  probing::PlanOptions& options = call->options;
   CLI::App* command = probe.add_subcommand("plan", "Plan where and how hard to probe a surface");
   command->add_option("SURFACE", call->surface, "Mesh of the undeformed object");
   command->add_option("--specimen", call->specimen,
                       "Instead of SURFACE: a simulated object (JSON; docs/probing.md)");
   command->add_option("-o,--output", call->output, "Plan to write (plan.json)")->required();
   add_unit_option(*command, call->read);
-  add_choice<probing::PlanPattern>(
-      *command, "--pattern", options.pattern,
-      {{"farthest-point", probing::PlanPattern::farthest_point},
-       {"grid", probing::PlanPattern::grid}},
-      "farthest-point: even along the surface, each prefix is a coarser plan (default); grid: on "
-      "alternating lines as the sensor sees them");
-  command->add_option("--spacing", options.spacing, "Smallest distance between contacts [mm]")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  command
-      ->add_option("--contacts", options.contacts, "Largest number of contacts (default: no limit)")
-      ->check(within(above(0)));
-  command->add_option("--tip-radius", options.tip_radius, "Radius of the tip, a ball [mm]")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  command
-      ->add_option("--border", options.border,
-                   "Smallest distance from the border along the surface, in radii of the tip")
-      ->check(within(at_least(0).finite()))
-      ->capture_default_str();
-  command
-      ->add_option("--view-angle", call->view_angle,
-                   "Largest angle between normal and sensor [degrees]")
-      ->check(within(above(0).at_most(90)))
-      ->capture_default_str();
+  add_fields(*command, fields_of(call->options));
   command
       ->add_option("--sensor", call->sensor, "Position of the sensor: x y z [mm] (default: 0 0 0)")
       ->expected(3);
-  command->add_option("--lowest-force", options.lowest_force, "Smallest normal force [N]")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  command->add_option("--highest-force", options.highest_force, "Largest normal force [N]")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  command->add_option("--levels", options.levels, "Number of normal forces")
-      ->check(within(above(0)))
-      ->capture_default_str();
-  command
-      ->add_option("--directions", options.directions,
-                   "Number of directions of the tangential force at each level")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
-  command->add_option("--max-force", options.max_force, "Largest force that the arm applies [N]")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
   command->add_option("--picture", call->picture, "Also draw the contacts and their parts (PNG)");
   command->footer("Example:\n  palpate probe plan surface.ply --spacing 14 -o plan.json");
   command->callback([call, &settings] { plan(settings, *call); });

@@ -24,6 +24,7 @@
 #include "probing/probe_campaign.h"
 #include "probing/probe_reach.h"
 #include "shared/call_checks.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
 
@@ -128,24 +129,8 @@ std::string without_newton(std::string text) {
   return text;
 }
 
-void check_limits(const probing::CampaignOptions& options) {
-  const bool limited = options.until > 0 || options.max_hours > 0 || options.max_samples > 0;
-  const bool adaptive = options.strategy == probing::TrialStrategy::adaptive;
-  if (adaptive && !limited) {
-    throw InvalidInput(
-        "palpate probe run: --strategy adaptive needs a limit: --until, --max-hours or "
-        "--max-samples");
-  }
-  if (!adaptive && limited) {
-    throw InvalidInput(
-        "palpate probe run: --until, --max-hours and --max-samples are of --strategy adaptive; the "
-        "others end when their plan is done");
-  }
-}
-
 void run_campaign(const Settings& settings, const RunCall& call) {
   if (call.store.empty()) throw InvalidInput("palpate probe run: give -o, or --dry-run");
-  check_limits(call.options);
   check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay, call.surface},
                 {call.store, call.watch.record});
   const InterruptedByThrowing interrupts;  // from the first byte of the store on, it can be resumed
@@ -263,7 +248,6 @@ void add_stop_file(CLI::App& command, ArmWatch& watch) {
 
 void add_probe_run(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<RunCall>();
-  probing::CampaignOptions& options = call->options;
   CLI::App* run = probe.add_subcommand("run", "Probe an object according to a plan");
   run->add_option("PLAN", call->plan, "Plan of 'palpate probe plan'")->required();
   run->add_option("-o,--output", call->store,
@@ -285,39 +269,8 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
                   "Instead of an arm: a file of --record, with the same plan and options");
   run->add_flag("--dry-run", call->dry_run,
                 "Only visit all contacts, 20 mm above the surface, and name those out of reach");
-  add_choice<probing::TrialStrategy>(
-      *run, "--strategy", options.strategy,
-      {{"pooled", probing::TrialStrategy::pooled},
-       {"bisection", probing::TrialStrategy::bisection},
-       {"adaptive", probing::TrialStrategy::adaptive}},
-      "Choice of tangential forces: pooled: where they tell most about friction, with what other "
-      "contacts have shown (default); bisection: halve the interval in each direction; adaptive: "
-      "where trials reduce the error of the model most per second, until a limit below");
-  run->add_option("--resolution", options.resolution,
-                  "Interval of forces at which a bisection ends [N]")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  run->add_option("--friction-accuracy", options.friction_accuracy,
-                  "pooled: standard deviation of a contact's coefficient at which no force is "
-                  "tried for friction alone")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  run->add_option("--until", options.until,
-                  "adaptive: stated error of the model at which to stop [N], such as 0.05N")
-      ->transform(without_newton)
-      ->check(within(at_least(0).finite()));
-  run->add_option("--max-hours", options.max_hours, "adaptive: hours of the arm at most")
-      ->check(within(at_least(0).finite()));
-  run->add_option("--max-samples", options.max_samples, "adaptive: samples at most")
-      ->check(within(at_least(0)));
-  run->add_option("--reference-every", options.reference_every,
-                  "Samples from one reference probe to the next: the same press at the first "
-                  "contact, to see whether the object or the arm changes; 0: none")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
-  run->add_option("--seed", options.seed,
-                  "Seed of the order of directions and of the errors of the arm")
-      ->capture_default_str();
+  add_fields(*run, fields_of(call->options));
+  run->get_option("--until")->transform(without_newton);
   run->footer(
       "Each trial is stored at once: after Ctrl-C, a crash or a loss of power 'palpate probe "
       "resume' goes on, and the result is the same.\n"

@@ -22,7 +22,7 @@ inline constexpr double kHolding = 0.05;
 /// What an adaptive campaign was told.
 struct AdaptiveSetting {
   ContactPlan plan;
-  AdaptiveOptions options;
+  CampaignOptions options;
   std::vector<double> levels;  ///< [N] `base_forces` of the plan
 
   /// Number of the trials of a contact's base, without repeated ones.

@@ -12,7 +12,6 @@
 #include "campaign/neighbour_prediction.h"
 #include "campaign/tangential_force.h"
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "records/record_hash.h"
 
 namespace palpate::probing {
@@ -24,20 +23,6 @@ constexpr double kHourSeconds = 3600;  // [s]
 
 /// Normal force = lowest + (highest - lowest) part^kLevelPower: nearly even, a little denser below.
 constexpr double kLevelPower = 1.25;
-
-void check_adaptive_options(const AdaptiveOptions& options) {
-  require("AdaptiveOptions::until", options.until, at_least(0).finite(), "N");
-  require("AdaptiveOptions::max_hours", options.max_hours, at_least(0).finite(), "h");
-  require("AdaptiveOptions::max_samples", options.max_samples, at_least(0));
-  require("AdaptiveOptions::cautious", options.cautious, above(0).at_most(0.5));
-  require("AdaptiveOptions::friction_accuracy", options.friction_accuracy, above(0).finite());
-  require("AdaptiveOptions::most_failures", options.most_failures, above(0));
-  if (options.until == 0 && options.max_hours == 0 && options.max_samples == 0) {
-    throw InvalidInput(
-        "AdaptiveOptions: there is no limit; give AdaptiveOptions::until, "
-        "AdaptiveOptions::max_hours or AdaptiveOptions::max_samples");
-  }
-}
 
 }  // namespace
 
@@ -71,7 +56,7 @@ const char* to_string(AdaptiveStop stop) {
 }
 
 struct AdaptiveTrials::Impl {
-  Impl(const ContactPlan& plan, const AdaptiveOptions& with)
+  Impl(const ContactPlan& plan, const CampaignOptions& with)
       : setting{plan, with, base_forces(plan)} {
     decide();
   }
@@ -116,7 +101,7 @@ struct AdaptiveTrials::Impl {
   // The next trial of the base of the current contact; none if the base is complete.
   [[nodiscard]] std::optional<TrialOrder> base_trial() {
     AdaptiveSite& site = sites[current];
-    const AdaptiveOptions& options = setting.options;
+    const CampaignOptions& options = setting.options;
     while (!site.given_up && level < kBaseLevels) {
       const double normal = setting.levels[static_cast<std::size_t>(level)];
       if (direction < directions.size()) {
@@ -309,8 +294,10 @@ struct AdaptiveTrials::Impl {
   std::optional<TrialOrder> order;
 };
 
-AdaptiveTrials::AdaptiveTrials(const ContactPlan& plan, const AdaptiveOptions& options) {
-  check_adaptive_options(options);
+AdaptiveTrials::AdaptiveTrials(const ContactPlan& plan, const CampaignOptions& given) {
+  CampaignOptions options = given;
+  options.strategy = TrialStrategy::adaptive;
+  check_campaign_options(options);
   if (plan.contacts.empty() || plan.normal_forces.empty())
     throw InvalidInput("AdaptiveTrials: the plan has no contact or no level; plan at least one");
   impl_ = std::make_unique<Impl>(plan, options);

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "records/record_hash.h"
 
 namespace palpate::probing {
@@ -29,47 +28,11 @@ constexpr double kSmallestForce = 2;
 constexpr double kCoarsest = 1;
 constexpr double kForceTolerance = 1e-4;  // [N] of a chosen force
 
-void check_campaign_options(const CampaignOptions& options) {
-  require("CampaignOptions::resolution", options.resolution, above(0).finite(), "N");
-  require("CampaignOptions::cautious", options.cautious, above(0).at_most(0.5));
-  require("CampaignOptions::friction_accuracy", options.friction_accuracy, above(0).finite());
-  require("CampaignOptions::most_failures", options.most_failures, above(0));
-  require("CampaignOptions::reference_every", options.reference_every, at_least(0));
-  const ProgramOptions& program = options.program;
-  require("ProgramOptions::clearance", program.clearance, above(0).finite(), "mm");
-  require("ProgramOptions::travel_limit", program.travel_limit, above(0), "s");
-  require("ProgramOptions::touch_limit", program.touch_limit, above(0), "s");
-  require("ProgramOptions::settle_limit", program.settle_limit, above(0), "s");
-  require("ProgramOptions::lift_limit", program.lift_limit, above(0), "s");
-  require("ProgramOptions::position_noise", program.position_noise, above(0).finite(), "mm");
-  require("ProgramOptions::force_noise", program.force_noise, above(0).finite(), "N");
-}
-
 }  // namespace
-
-const char* to_string(TrialStrategy strategy) {
-  switch (strategy) {
-    case TrialStrategy::pooled:
-      return "pooled";
-    case TrialStrategy::bisection:
-      return "bisection";
-    case TrialStrategy::adaptive:
-      return "adaptive";
-  }
-  return "";
-}
 
 struct Campaign::Impl {
   Impl(ContactPlan wanted, const CampaignOptions& with) : plan(std::move(wanted)), options(with) {
-    if (options.strategy != TrialStrategy::adaptive) return;
-    adaptive.emplace(plan, AdaptiveOptions{.until = options.until,
-                                           .max_hours = options.max_hours,
-                                           .max_samples = options.max_samples,
-                                           .seed = options.seed,
-                                           .cautious = options.cautious,
-                                           .friction_accuracy = options.friction_accuracy,
-                                           .most_failures = options.most_failures,
-                                           .program = options.program});
+    if (options.strategy == TrialStrategy::adaptive) adaptive.emplace(plan, options);
   }
 
   // One direction at one level.

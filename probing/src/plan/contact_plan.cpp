@@ -4,10 +4,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
@@ -29,25 +33,23 @@ using geometry::TriangleMesh;
 /// the noise of scans at usual radii.
 constexpr double kObstruction = 0.1;
 constexpr int kEligibilities = 5;
+constexpr std::array<std::string_view, 2> kPatterns{"farthest_point", "grid"};
+constexpr int kAnyNumber = std::numeric_limits<int>::max();
 /// Most places that a plan looks at: an arm would take years for them.
 constexpr double kMostPlaces = 1e5;
 constexpr double kGoldenAngle = 2 * std::numbers::pi * (2 - std::numbers::phi);  // [rad]
 
+/// That of 2.6 N of the usual 3 N, where there is none.
+double highest_force(const PlanOptions& options) {
+  return options.highest_force.value_or(2.6 * (options.max_force / PlanOptions{}.max_force));
+}
+
 void check_options(const PlanOptions& options) {
-  require("PlanOptions::spacing", options.spacing, above(0).finite(), "mm");
-  require("PlanOptions::contacts", options.contacts, above(0));
-  require("PlanOptions::tip_radius", options.tip_radius, above(0).finite(), "mm");
-  require("PlanOptions::border", options.border, at_least(0).finite());
-  require("PlanOptions::view_angle", options.view_angle, above(0).at_most(std::numbers::pi / 2),
-          "rad");
-  require("PlanOptions::lowest_force", options.lowest_force, above(0).at_most(kLargestMeasurement),
-          "N");
-  require("PlanOptions::highest_force", options.highest_force,
-          at_least(options.lowest_force).at_most(kLargestMeasurement), "N");
+  static_cast<void>(in_range(options));
+  const double highest = highest_force(options);
+  require("PlanOptions::lowest_force", options.lowest_force, above(0).at_most(highest), "N");
   require("PlanOptions::max_force", options.max_force,
-          at_least(options.highest_force).at_most(kLargestMeasurement), "N");
-  require("PlanOptions::levels", options.levels, above(0));
-  require("PlanOptions::directions", options.directions, at_least(0));
+          at_least(highest).at_most(kLargestMeasurement), "N");
   for (const double place : options.sensor) require("PlanOptions::sensor", place, finite(), "mm");
 }
 
@@ -68,16 +70,21 @@ void check_size(const TriangleMesh& mesh, const PlanOptions& options) {
   const Eigen::Vector3d sides = geometry::bounding_box(mesh).sizes();
   const bool is_grid = options.pattern == PlanPattern::grid;
   // Contacts in farthest-point order are vertices, of which there are no more than that.
-  const double most = std::min<double>(options.contacts, static_cast<double>(mesh.vertices.cols()));
+  const double most = std::min<double>(options.contacts.value_or(kAnyNumber),
+                                       static_cast<double>(mesh.vertices.cols()));
   if (!is_grid && most <= kMostPlaces) return;
   // A surface that the sensor sees edge-on has lines of the grid as well.
   const double longest = std::max(sides.x(), sides.y());
   const double area = is_grid ? std::max(sides.x() * sides.y(), longest * longest / kMostPlaces)
                               : geometry::surface_area(mesh);
   if (area == 0) return;
-  require("PlanOptions::spacing, on this surface with at most 100000 points,", options.spacing,
-          at_least(in_three_digits(std::sqrt(area / (kMostPlaces * line_distance(1))))).finite(),
-          "mm");
+  const Interval enough =
+      at_least(in_three_digits(std::sqrt(area / (kMostPlaces * line_distance(1))))).finite();
+  if (enough.contains(options.spacing)) return;
+  throw InvalidInput(
+      std::vector<MessagePart>{{"PlanOptions::spacing", true},
+                               {" " + refusal(options.spacing, enough, "mm") +
+                                " on this surface: a plan has at most 100000 places"}});
 }
 
 /// The vertices that share an edge with each vertex.
@@ -191,7 +198,7 @@ std::vector<int> grid_vertices(const TriangleMesh& mesh, std::span<const Eligibi
       if (is_found[static_cast<std::size_t>(v)]) continue;
       is_found[static_cast<std::size_t>(v)] = true;
       found.push_back(v);
-      if (static_cast<int>(found.size()) >= options.contacts) return found;
+      if (static_cast<int>(found.size()) >= options.contacts.value_or(kAnyNumber)) return found;
     }
   }
   return found;
@@ -211,7 +218,7 @@ std::string counts(std::span<const Eigen::Index> excluded) {
 }  // namespace
 
 const char* to_string(PlanPattern pattern) {
-  return pattern == PlanPattern::grid ? "grid" : "farthest_point";
+  return kPatterns[static_cast<std::size_t>(pattern)].data();
 }
 
 const char* to_string(Eligibility eligibility) {
@@ -272,7 +279,45 @@ std::vector<Eligibility> eligibility(const TriangleMesh& mesh, const PlanOptions
   return result;
 }
 
-ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& options) {
+void visit(PlanOptions& options, FieldVisitor& visitor) {
+  constexpr Interval kForces = above(0).finite();
+  visitor.begin("PlanOptions");
+  visitor.choice({"pattern",
+                  "How contacts are spread: farthest_point, evenly along the surface, each prefix "
+                  "is a coarser plan; grid, on alternating lines as the sensor sees them"},
+                 options.pattern, kPatterns);
+  visitor.real({"spacing", "Smallest distance between contacts", "mm"}, options.spacing,
+               above(0).finite());
+  visitor.whole({"contacts", "Largest number of contacts. Without it: no limit"}, options.contacts,
+                at_least(1));
+  visitor.real({"tip_radius", "Radius of the tip, a ball", "mm"}, options.tip_radius,
+               above(0).finite());
+  visitor.real({"border",
+                "Smallest distance of contacts from the border along the surface, in radii of the "
+                "tip"},
+               options.border, at_least(0).finite());
+  visitor.real(
+      {"view_angle",
+       "Largest angle between the normal at a contact and the direction to the sensor", "rad"},
+      options.view_angle, above(0).at_most(std::numbers::pi / 2));
+  visitor.real({"lowest_force", "Smallest normal force", "N"}, options.lowest_force, kForces);
+  visitor.real({"highest_force",
+                "Largest normal force; at least lowest_force. Without it: 87 % of max_force", "N"},
+               options.highest_force, kForces);
+  visitor.whole({"levels", "Number of normal forces, in geometric progression"}, options.levels,
+                at_least(1));
+  visitor.whole({"directions",
+                 "Number of directions of the tangential force under each normal force, turned "
+                 "from one to the next"},
+                options.directions, at_least(0));
+  visitor.real({"max_force", "Largest force that the arm applies; at least highest_force", "N"},
+               options.max_force, kForces);
+}
+
+ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& given) {
+  check_options(given);
+  PlanOptions options = given;
+  options.highest_force = highest_force(given);
   Eigen::Matrix3Xd normals;
   const std::vector<Eligibility> eligible = eligibility(mesh, options, normals);
   ContactPlan plan{.options = options};
@@ -287,7 +332,8 @@ ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& options) 
     chosen = grid_vertices(mesh, eligible, options);
   } else if (!candidates.empty()) {
     const geometry::FarthestPoints points = geometry::farthest_points(
-        mesh, candidates, {.spacing = options.spacing, .count = options.contacts});
+        mesh, candidates,
+        {.spacing = options.spacing, .count = options.contacts.value_or(kAnyNumber)});
     chosen = points.vertices;
     plan.cover = points.cover.back();
   }
@@ -307,9 +353,9 @@ ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& options) 
   for (int level = 0; level < options.levels; ++level) {
     const double part = options.levels > 1 ? level / (options.levels - 1.0) : 1;
     plan.normal_forces.push_back(options.lowest_force *
-                                 std::pow(options.highest_force / options.lowest_force, part));
+                                 std::pow(*options.highest_force / options.lowest_force, part));
   }
-  plan.normal_forces.back() = options.highest_force;
+  plan.normal_forces.back() = *options.highest_force;
   plan.surface = surface_fingerprint(mesh);
   return plan;
 }

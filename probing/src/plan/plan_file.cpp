@@ -18,6 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "palpate contact plan";
 constexpr int kVersion = 1;
+constexpr const char* kHighestForce = "highest_force";
 
 // The members of the options, for reading and writing alike.
 template <typename Options, typename Visit>
@@ -27,7 +28,6 @@ void visit_options(Options& options, Visit&& visit) {
   visit("border", options.border);
   visit("view_angle", options.view_angle);
   visit("lowest_force", options.lowest_force);
-  visit("highest_force", options.highest_force);
   visit("levels", options.levels);
   visit("directions", options.directions);
   visit("max_force", options.max_force);
@@ -52,6 +52,8 @@ ContactPlan plan_of(const Json& json) {
                              : PlanPattern::farthest_point;
   visit_options(plan.options,
                 [&](const char* name, auto& value) { options.at(name).get_to(value); });
+  if (options.contains(kHighestForce))
+    plan.options.highest_force = options[kHighestForce].get<double>();
   plan.options.sensor = vector_of(options.at("sensor"));
   plan.surface = json.at("surface").get<std::string>();
   plan.cover = json.at("cover").is_null() ? std::numeric_limits<double>::infinity()
@@ -83,6 +85,7 @@ ContactPlan plan_of(const Json& json) {
 std::string to_text(const ContactPlan& plan) {
   Json options{{"pattern", to_string(plan.options.pattern)}};
   visit_options(plan.options, [&](const char* name, const auto& value) { options[name] = value; });
+  if (plan.options.highest_force) options[kHighestForce] = *plan.options.highest_force;
   options["sensor"] = numbers(plan.options.sensor);
   Json vertices = Json::object(), contacts = Json::array();
   for (std::size_t i = 0; i < plan.excluded.size(); ++i)

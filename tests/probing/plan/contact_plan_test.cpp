@@ -175,6 +175,16 @@ TEST(ContactPlan, RefusesASpacingAndATipThatDoNotSuitTheSurface) {
   EXPECT_EQ(plan_contacts(coarse, {.spacing = 1e-100, .border = 0}).contacts.size(), 7U * 6U);
 }
 
+TEST(ContactPlan, LevelsAreInProportionToTheLargestForce) {
+  const ContactPlan weak = plan_contacts(plane(), {.max_force = 1.5});
+  EXPECT_NEAR(weak.normal_forces.back(), 1.3, 1e-12);  // as 2.6 N of 3 N
+  EXPECT_EQ(weak.options.highest_force, weak.normal_forces.back());
+  EXPECT_EQ(weak.normal_forces.front(), 0.15);
+  EXPECT_EQ(plan_contacts(plane(), {.highest_force = 1, .max_force = 1.5}).normal_forces.back(), 1);
+  EXPECT_THAT(refusal([] { return plan_contacts(plane(), {.max_force = 0.1}); }),
+              HasSubstr("lowest_force is 0.15 N; it must be in (0, 0.0866"));
+}
+
 TEST(ContactPlan, LevelsAreGeometricAndDirectionsEven) {
   const ContactPlan plan = plan_contacts(plane(), {});
   ASSERT_EQ(plan.normal_forces.size(), 6U);

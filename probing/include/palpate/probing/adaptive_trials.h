@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/probing/campaign_options.h"
 #include "palpate/probing/cone_posterior.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/probing_program.h"
@@ -18,18 +19,6 @@ namespace palpate::probing {
 /// of the plan in nearly even steps, a little denser below.
 /// \throws InvalidInput if the plan has no level.
 [[nodiscard]] std::vector<double> base_forces(const ContactPlan& plan);
-
-/// When to stop, and how friction is searched. At least one of the limits must be given.
-struct AdaptiveOptions {
-  double until = 0;       ///< [N] stated error at which the campaign ends; >= 0, 0: no limit
-  double max_hours = 0;   ///< of the arm; >= 0, 0: no limit
-  int max_samples = 0;    ///< >= 0, 0: no limit
-  unsigned seed = 1;      ///< of the order of directions
-  double cautious = 0.3;  ///< probability of slipping of a trial that searches friction
-  double friction_accuracy = 0.01;  ///< of a contact's coefficient at which the search ends
-  int most_failures = 4;            ///< in a row end a contact
-  ProgramOptions program = {};
-};
 
 enum class AdaptiveStop {
   none,         ///< not yet
@@ -67,8 +56,9 @@ struct StatedError {
 /// the options and the records it took.
 class AdaptiveTrials {
  public:
-  /// \throws InvalidInput if an option is outside its range, or no limit is given.
-  AdaptiveTrials(const ContactPlan& plan, const AdaptiveOptions& options);
+  /// \param options whose strategy is `adaptive`, whatever they say
+  /// \throws InvalidInput as `check_campaign_options`, or if the plan has no contact or no level.
+  AdaptiveTrials(const ContactPlan& plan, const CampaignOptions& options);
   ~AdaptiveTrials();
   AdaptiveTrials(AdaptiveTrials&&) noexcept;
   AdaptiveTrials& operator=(AdaptiveTrials&&) noexcept;

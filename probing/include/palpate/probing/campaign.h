@@ -7,42 +7,12 @@
 #include <vector>
 
 #include "palpate/probing/adaptive_trials.h"
+#include "palpate/probing/campaign_options.h"
 #include "palpate/probing/cone_posterior.h"
 #include "palpate/probing/contact_plan.h"
-#include "palpate/probing/probing_program.h"
 #include "palpate/probing/reference_probe.h"
 
 namespace palpate::probing {
-
-/// How trials are chosen.
-enum class TrialStrategy {
-  pooled,     ///< where trials tell most about friction, with what other contacts have shown
-  bisection,  ///< thesis 4.3
-  adaptive    ///< where they reduce the error of the model most per second: `AdaptiveTrials`
-};
-/// "pooled", "bisection", "adaptive".
-[[nodiscard]] const char* to_string(TrialStrategy strategy);
-
-struct CampaignOptions {
-  TrialStrategy strategy = TrialStrategy::pooled;
-  unsigned seed = 1;  ///< of the order of directions
-  /// [N] at which a bisection ends; > 0
-  double resolution = 0.1;
-  /// `pooled`: probability of slipping that a trial of a direction is chosen for; in (0, 1/2]
-  double cautious = 0.3;
-  /// `pooled`: a direction that held is tried again with 1 - `cautious` while the standard
-  /// deviation of the contact's coefficient exceeds this; > 0
-  double friction_accuracy = 0.01;
-  int most_failures = 4;  ///< in a row (nothing touched, not at rest, late) end a contact; > 0
-  /// Samples from one reference probe to the next, of which the first precedes all trials; >= 0,
-  /// 0: none
-  int reference_every = 50;
-  ProgramOptions program = {};
-  /// `adaptive`, which needs one of these limits; 0: no limit; >= 0
-  double until = 0;      ///< [N] stated error
-  double max_hours = 0;  ///< of the arm
-  int max_samples = 0;
-};
 
 /// One trial as it was stored.
 struct TrialRecord {
@@ -85,7 +55,8 @@ struct CampaignProgress {
 /// `friction_accuracy`.
 class Campaign {
  public:
-  /// \throws InvalidInput if an option is outside its range or the plan has no contact.
+  /// \throws InvalidInput if an option is outside its range or of another strategy, or the plan has
+  /// no contact.
   Campaign(ContactPlan plan, const CampaignOptions& options);
   ~Campaign();
   Campaign(Campaign&&) noexcept;

@@ -4,10 +4,12 @@
 
 #include <Eigen/Core>
 #include <filesystem>
-#include <limits>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/acquisition.h"
@@ -33,26 +35,28 @@ enum class Eligibility {
 /// "eligible", "no_surface", "near_border", "oblique", "obstructed".
 [[nodiscard]] const char* to_string(Eligibility eligibility);
 
+/// `visit` describes the fields. lowest_force <= highest_force <= max_force.
 struct PlanOptions {
   PlanPattern pattern = PlanPattern::farthest_point;
-  /// [mm] least distance of contacts; > 0, and so large that a plan has at most 100,000 places
-  double spacing = 14;
-  int contacts = std::numeric_limits<int>::max();  ///< most contacts; > 0
-  double tip_radius = 3;     ///< [mm] R of the tip, a ball; in (0, size of the surface]
-  double border = 1.5;       ///< distance from the border >= border R; >= 0
-  double view_angle = 1.22;  ///< [rad] normal to sensor <= this; in (0, pi/2]
+  double spacing = 14;  ///< so large that a plan has at most 100,000 places
+  std::optional<int> contacts = {};
+  double tip_radius = 3;  ///< R; at most the size of the surface
+  double border = 1.5;
+  double view_angle = 7 * std::numbers::pi / 18;
   Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  ///< [mm] place of the sensor
 
-  double lowest_force = 0.15;  ///< [N] normal force of the lowest level; > 0
-  double highest_force = 2.6;  ///< [N] of the highest level; >= lowest_force
-  int levels = 6;              ///< of the normal force, in geometric progression; > 0
-  int directions = 4;          ///< of the tangential force, turned from level to level; >= 0
-  double max_force = 3;        ///< [N] most force that the arm applies; >= highest_force
+  double lowest_force = 0.15;
+  std::optional<double> highest_force = {};
+  int levels = 6;
+  int directions = 4;
+  double max_force = 3;
 };
+
+void visit(PlanOptions& options, FieldVisitor& visitor);
 
 /// What to probe.
 struct ContactPlan {
-  PlanOptions options = {};
+  PlanOptions options = {};                 ///< with a `highest_force`
   std::vector<Contact> contacts = {};       ///< in the order of probing; ids 0, 1, ...
   std::vector<double> normal_forces = {};   ///< [N] of each level, ascending
   std::vector<Eigen::Index> excluded = {};  ///< number of vertices by `Eligibility`

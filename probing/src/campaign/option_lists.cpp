@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/option_lists.h"
+
+#include "palpate/probing/campaign_options.h"
+#include "palpate/probing/contact_plan.h"
+
+namespace palpate::probing {
+
+void visit_options(FieldVisitor& visitor) {
+  PlanOptions plan;
+  visit(plan, visitor);
+  CampaignOptions campaign;
+  visit(campaign, visitor);
+}
+
+}  // namespace palpate::probing
