@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "long_work.h"
 #include "palpate/geometry/camera.h"
 #include "palpate/geometry/decimation.h"
@@ -107,23 +108,29 @@ void add_decimation(py::module_& module) {
         return "<palpate.Decimation: " + std::to_string(decimated.mesh.triangles.cols()) +
                " triangles, at most " + std::to_string(decimated.distance) + " mm off>";
       });
-  module.def(
-      "decimate",
-      [](const TriangleMesh& mesh, const std::optional<double>& tolerance,
-         const std::optional<int>& max_triangles, const py::object& progress) {
-        LongWork work(progress);
-        const geometry::DecimationOptions options{
-            .tolerance = tolerance, .max_triangles = max_triangles, .progress = work.report()};
-        return work.run([&] { return geometry::decimate(mesh, options); });
-      },
-      arg("mesh"), kw_only(), arg("tolerance") = py::none(), arg("max_triangles") = py::none(),
-      arg("progress") = py::none(),
-      R"(Reduces the number of triangles; the vertices are a subset of the input's.
+  geometry::DecimationOptions usual;
+  const std::string doc =
+      described("decimate(mesh: TriangleMesh, *, progress: Callable | None = None", "Decimation",
+                R"(Reduces the number of triangles; the vertices are a subset of the input's.
 
-tolerance: [mm] largest Hausdorff distance to the input; or
-max_triangles: largest number of triangles. Give exactly one of them.
+Give exactly one of tolerance and max_triangles.
 progress: called as progress(done, total) after each mesh that was tried; Ctrl-C is heard then.
-Raises InvalidInput.)");
+Raises InvalidInput.)",
+                fields_of(usual));
+  {
+    py::options own;
+    own.disable_function_signatures();
+    module.def(
+        "decimate",
+        [](const TriangleMesh& mesh, const py::object& progress, const py::kwargs& keywords) {
+          geometry::DecimationOptions options;
+          set_fields(fields_of(options), keywords);
+          LongWork work(progress);
+          options.progress = work.report();
+          return work.run([&] { return geometry::decimate(mesh, options); });
+        },
+        arg("mesh"), kw_only(), arg("progress") = py::none(), doc.c_str());
+  }
 
   py::class_<RepairedMesh>(module, "RepairedMesh", "The result of repair(), with what was done.")
       .def_readonly("mesh", &RepairedMesh::mesh, "The mesh without defects.")

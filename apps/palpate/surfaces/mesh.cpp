@@ -19,6 +19,7 @@
 #include "palpate/sensing/rig.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
 #include "shared/result_folder.h"
@@ -46,7 +47,7 @@ MadeMesh make_with_bar(const MeshCall& call) {
   steps.filling = shown_as("filling holes");
   steps.removing_intersections = shown_as("removing self-intersections");
   steps.remeshing = shown_as("remeshing");
-  steps.decimating = shown_as("decimating");
+  steps.decimation.progress = shown_as("decimating");
   return make_mesh(call.inputs.front(), steps);
 }
 
@@ -265,12 +266,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
           "(default: 60)")
       ->check(within(above(0).at_most(180)))
       ->needs(remesh);
-  command
-      ->add_option(
-          "--tolerance", call->steps.tolerance,
-          "Remove triangles while the Hausdorff distance to the surface before this step is within "
-          "this [mm]")
-      ->check(within(above(0)));
+  add_fields(*command, fields_of(call->steps.decimation));
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
       "The steps are done in this order: smooth depths, repair, fill holes, smooth, remove "

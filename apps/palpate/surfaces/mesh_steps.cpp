@@ -204,16 +204,15 @@ void remesh(MadeMesh& made, const MeshSteps& steps) {
 }
 
 void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
-  const double tolerance = *steps.tolerance;
+  const geometry::DecimationOptions& options = steps.decimation;
+  const std::optional<double> tolerance = options.tolerance;
   const double diagonal = geometry::bounding_diagonal(made.mesh);
   if (tolerance > diagonal) {
     throw InvalidInput(fmt::format(
         "{}: --tolerance: {:g} mm exceeds the mesh's diagonal of {:.1f} mm; nothing of the mesh "
         "would remain",
-        input.string(), tolerance, diagonal));
+        input.string(), *tolerance, diagonal));
   }
-  const geometry::DecimationOptions options = {.tolerance = tolerance,
-                                               .progress = steps.decimating};
   geometry::Decimation decimated;
   if (made.texture) {
     geometry::TexturedDecimation textured = geometry::decimate(made.mesh, *made.texture, options);
@@ -222,13 +221,13 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
   } else {
     decimated = geometry::decimate(made.mesh, options);
   }
-  made.figures["decimation"] = {{"tolerance", tolerance},
+  made.figures["decimation"] = {{"tolerance", number_or_null(tolerance)},
                                 {"triangles_before", made.mesh.triangles.cols()},
                                 {"triangles_after", decimated.mesh.triangles.cols()},
                                 {"distance", decimated.distance}};
   if (decimated.mesh.triangles.cols() == made.mesh.triangles.cols()) {
-    made.prose += fmt::format("none of {} triangles can be removed within {:g} mm\n",
-                              made.mesh.triangles.cols(), tolerance);
+    made.prose += fmt::format("none of {} triangles can be removed{}\n", made.mesh.triangles.cols(),
+                              tolerance ? fmt::format(" within {:g} mm", *tolerance) : "");
   } else {
     made.prose += fmt::format(
         "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm (verified)\n",
@@ -248,7 +247,7 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
   if (steps.remove_intersections) remove_intersections(made, steps);
   if (steps.remesh) remesh(made, steps);
-  if (steps.tolerance) decimate(input, made, steps);
+  if (steps.decimation.tolerance || steps.decimation.max_triangles) decimate(input, made, steps);
   if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();

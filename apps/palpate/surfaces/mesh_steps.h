@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/geometry/decimation.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/texture.h"
@@ -29,13 +30,12 @@ struct MeshSteps {
   bool remove_intersections = false;
   std::optional<double> remesh;                                       ///< [mm] length of the edges
   double feature_angle = geometry::RemeshingOptions{}.feature_angle;  ///< [rad] of remeshing
-  std::optional<double> tolerance;                                    ///< [mm] of decimation
+  geometry::DecimationOptions decimation;                   ///< if one of its targets is given
   std::function<void(int done, int total)> repairing = {};  ///< see RepairOptions::progress
   std::function<void(int done, int total)> filling = {};    ///< see HoleFillingOptions::progress
   /// See SelfIntersectionRemovalOptions::progress.
   std::function<void(int done, int total)> removing_intersections = {};
-  std::function<void(int done, int total)> remeshing = {};   ///< see RemeshingOptions::progress
-  std::function<void(int done, int total)> decimating = {};  ///< see DecimationOptions::progress
+  std::function<void(int done, int total)> remeshing = {};  ///< see RemeshingOptions::progress
 };
 
 /// A mesh, and a description of the steps in numbers and in words.

@@ -227,13 +227,12 @@ std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, c
 }
 
 void check(const DecimationOptions& options) {
-  require("DecimationOptions::tolerance", options.tolerance, above(0).finite(), "mm");
-  require("DecimationOptions::max_triangles", options.max_triangles, at_least(1));
-  if (options.tolerance.has_value() == options.max_triangles.has_value()) {
-    throw InvalidInput(
-        fmt::format("DecimationOptions: {} given; give either the tolerance [mm] or max_triangles",
-                    options.tolerance ? "both tolerance and max_triangles are" : "no limit is"));
-  }
+  static_cast<void>(in_range(options));
+  if (options.tolerance.has_value() != options.max_triangles.has_value()) return;
+  const MessagePart tolerance{"DecimationOptions::tolerance", true},
+      count{"DecimationOptions::max_triangles", true};
+  throw InvalidInput(std::vector<MessagePart>{
+      {"give either "}, tolerance, {" or "}, count, {options.tolerance ? ", not both" : ""}});
 }
 
 /// Finds the smallest mesh within the tolerance. Each mesh is made from the last one that passed,
@@ -346,6 +345,19 @@ void move_near_origin(TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+void visit(DecimationOptions& options, FieldVisitor& visitor) {
+  visitor.begin("DecimationOptions");
+  visitor.real({"tolerance",
+                "Remove triangles while the Hausdorff distance to the surface before this step is "
+                "within this",
+                "mm"},
+               options.tolerance, above(0).finite());
+  visitor.whole({"max_triangles",
+                 "In place of tolerance: remove triangles until at most this number are left; more "
+                 "stay if fewer would fold or tear the surface"},
+                options.max_triangles, at_least(1));
+}
 
 Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) {
   check(options);

@@ -2,19 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/option_lists.h"
 
+#include "palpate/geometry/decimation.h"
 #include "palpate/geometry/merge_scans.h"
-#include "palpate/geometry/surface_tracker.h"
 #include "palpate/geometry/registration.h"
+#include "palpate/geometry/surface_tracker.h"
 
 namespace palpate::geometry {
 
 void visit_options(FieldVisitor& visitor) {
+  DecimationOptions decimation;
+  visit(decimation, visitor);
   TrackingOptions tracking;
   visit(tracking, visitor);
   MergeScansOptions merging;
   visit(merging, visitor);
+  RegistrationOptions registration;
+  visit(registration, visitor);
 }
 
 }  // namespace palpate::geometry
-  RegistrationOptions registration;
-  visit(registration, visitor);

@@ -6,19 +6,22 @@
 #include <optional>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/texture.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
 
-/// Target of a decimation; set exactly one of the first two.
+/// Target of a decimation; set exactly one of the first two. `visit` describes the fields.
 struct DecimationOptions {
-  std::optional<double> tolerance = {};   ///< [mm] largest Hausdorff distance; > 0
-  std::optional<int> max_triangles = {};  ///< largest number of triangles; >= 1
+  std::optional<double> tolerance = {};
+  std::optional<int> max_triangles = {};
   /// Called in the calling thread after each mesh that was made. `total` is a limit that
   /// is often not reached; the last call has done == total. What it throws ends the decimation.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(DecimationOptions& options, FieldVisitor& visitor);
 
 struct Decimation {
   TriangleMesh mesh;
