@@ -423,6 +423,7 @@ class Pattern(_Result):
     def period(self) -> float: ...
     @property
     def stripes(self) -> int: ...
+    def write(self, path: _Path) -> None: ...
 
 class TrainedColors(_Result):
     @property
@@ -433,6 +434,33 @@ def read_pattern(path: _Path) -> Pattern: ...
 def read_trained_colors(path: _Path) -> TrainedColors: ...
 def train_colors(folder: _Path) -> TrainedColors: ...
 def read_frame(path: _Path) -> npt.NDArray[np.uint8] | npt.NDArray[np.uint16]: ...
+
+class PatternDesign(_Result):
+    @property
+    def pattern(self) -> Pattern: ...
+    @property
+    def camera_period(self) -> float: ...
+    @property
+    def phase_per_relative_depth(self) -> float: ...
+    @property
+    def edge_tolerance(self) -> float: ...
+    @property
+    def largest_overlap(self) -> float: ...
+
+def design_pattern(
+    rig: Rig,
+    *,
+    trained: TrainedColors | None = ...,
+    distances: tuple[float, float] | None = ...,
+    number_of_colors: int = ...,
+    stripes: int | None = ...,
+    axis: Literal["x", "y", "auto"] = ...,
+    period: float | None = ...,
+    min_camera_period: float = ...,
+    min_projector_period: float = ...,
+    mean: float | None = ...,
+    amplitude: float | None = ...,
+) -> PatternDesign: ...
 
 class DecodeResult(_Result):
     @property
@@ -819,8 +847,16 @@ class ContactPlan(_Result):
 def plan_contacts(
     surface: TriangleMesh,
     *,
+    sensor: _Numbers | None = ...,
+    pattern: Literal["farthest_point", "grid"] = ...,
     spacing: float = ...,
     contacts: int | None = ...,
+    tip_radius: float = ...,
+    border: float = ...,
+    view_angle: float = ...,
+    lowest_force: float = ...,
+    highest_force: float | None = ...,
+    levels: int = ...,
     directions: int = ...,
     max_force: float = ...,
 ) -> ContactPlan: ...
@@ -840,20 +876,29 @@ def probe(
     *,
     arm: Literal["quasi-static", "virtual"] = ...,
     progress: _Progress = ...,
+    strategy: Literal["pooled", "bisection", "adaptive"] = ...,
+    resolution: float = ...,
+    friction_accuracy: float = ...,
+    until: float = ...,
+    max_hours: float = ...,
+    max_samples: int = ...,
+    reference_every: int = ...,
+    seed: int = ...,
+    cautious: float = ...,
+    most_failures: int = ...,
+    clearance: float = ...,
+    travel_limit: float = ...,
+    touch_limit: float = ...,
+    settle_limit: float = ...,
+    lift_limit: float = ...,
+    position_noise: float = ...,
+    force_noise: float = ...,
 ) -> Acquisition: ...
 
 class ArmState(_Result):
     @property
-    sensor: _Numbers | None = ...,
-    pattern: Literal["farthest_point", "grid"] = ...,
     def time(self) -> float: ...
     @property
-    tip_radius: float = ...,
-    border: float = ...,
-    view_angle: float = ...,
-    lowest_force: float = ...,
-    highest_force: float | None = ...,
-    levels: int = ...,
     def tip(self) -> _Float64: ...
     @property
     def joints(self) -> _Float64: ...
@@ -876,23 +921,6 @@ class VirtualArm(metaclass=_Class):
 class LoopState(metaclass=_Class):
     def __init__(self) -> None: ...
     @property
-    strategy: Literal["pooled", "bisection", "adaptive"] = ...,
-    resolution: float = ...,
-    friction_accuracy: float = ...,
-    until: float = ...,
-    max_hours: float = ...,
-    max_samples: int = ...,
-    reference_every: int = ...,
-    seed: int = ...,
-    cautious: float = ...,
-    most_failures: int = ...,
-    clearance: float = ...,
-    travel_limit: float = ...,
-    touch_limit: float = ...,
-    settle_limit: float = ...,
-    lift_limit: float = ...,
-    position_noise: float = ...,
-    force_noise: float = ...,
     def state(self) -> _Touch: ...
 
 class Command(_Result):

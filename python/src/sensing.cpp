@@ -15,6 +15,7 @@
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern.h"
+#include "palpate/sensing/pattern_design.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
@@ -79,7 +80,13 @@ void add_files(py::module_& module) {
       .def_readonly("period", &Pattern::period, "[px] of the sinusoid.")
       .def_property_readonly(
           "stripes", [](const Pattern& pattern) { return pattern.stripes.size(); },
-          "Number of colour stripes; 0 for a sinusoid alone.");
+          "Number of colour stripes; 0 for a sinusoid alone.")
+      .def(
+          "write",
+          [](const Pattern& pattern, const fs::path& path) {
+            sensing::write_pattern(path, pattern);
+          },
+          arg("path"), "Writes pattern.yaml, as read_pattern() reads it. Raises OutputError.");
   py::class_<TrainedColors>(module, "TrainedColors", "What the camera sees of each stripe colour.")
       .def_property_readonly(
           "names",
@@ -162,6 +169,49 @@ py::dict counts_of(const DecodeResult& result) {
     counts[py::str(std::string(sensing::name(reason)))] = sensing::count(result.reasons, reason);
   }
   return counts;
+}
+
+void add_design(py::module_& module) {
+  using sensing::PatternDesign;
+  py::class_<PatternDesign>(module, "PatternDesign",
+                            "The result of design_pattern(): a pattern, and what it can do.")
+      .def_readonly("pattern", &PatternDesign::pattern, "The pattern.")
+      .def_readonly("camera_period", &PatternDesign::camera_period,
+                    "[px] shortest period in the camera, on surfaces that face it.")
+      .def_readonly("phase_per_relative_depth", &PatternDesign::phase_per_relative_depth,
+                    "[rad] a relative error of the depth is the error of the phase divided by it.")
+      .def_readonly("edge_tolerance", &PatternDesign::edge_tolerance,
+                    "[px] error of a stripe edge in the camera that still identifies the period; "
+                    "below 2 the stripes do not identify it reliably.")
+      .def_readonly("largest_overlap", &PatternDesign::largest_overlap,
+                    "Share of pixels in which the two most similar colours are expected to be "
+                    "confused; 0 without trained colours.");
+  sensing::PatternOptions usual;
+  const std::string doc = described(
+      "design_pattern(rig: Rig, *, trained: TrainedColors | None = None, distances: tuple[float, "
+      "float] | None = None",
+      "PatternDesign",
+      R"(Designs the pattern to project with a rig, as `palpate pattern` does.
+
+trained: the colours are chosen so that the camera distinguishes them best.
+distances: [mm] of the nearest and the farthest object; None: where the views overlap.
+Raises InvalidInput.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "design_pattern",
+      [](const Rig& rig, const std::optional<TrainedColors>& trained,
+         const std::optional<std::pair<double, double>>& distances, const py::kwargs& keywords) {
+        sensing::PatternOptions options;
+        set_fields(fields_of(options), keywords);
+        options.trained = trained;
+        if (distances) options.range = {distances->first, distances->second};
+        const Unlocked unlocked;
+        return sensing::design_pattern(rig, options);
+      },
+      arg("rig"), kw_only(), arg("trained") = py::none(), arg("distances") = py::none(),
+      doc.c_str());
 }
 
 void add_decoder(py::module_& module) {
@@ -274,6 +324,7 @@ Raises InvalidInput. Ctrl-C is not heard: it takes about a second.)");
 
 void add_sensing(py::module_& module) {
   add_files(module);
+  add_design(module);
   add_decoder(module);
   add_multishot(module);
 }

@@ -113,7 +113,7 @@ TEST_F(WrongOptions, OfPattern) {
   const std::string rig = demo("rig.yaml");
   expect_refused(
       {{with_output({"pattern", "--period", "1e300"}), "period"},
-       {with_output({"pattern", "--min-projector-period", "1e9"}), "min_projector_period"},
+       {with_output({"pattern", "--min-projector-period", "1e9"}), "--min-projector-period"},
        {with_output({"pattern", "--min-camera-period", "9"}), "--rig"},
        {with_output({"pattern", "--rig", rig, "--period", "769"}), "768"},
        {with_output({"pattern", "--number-of-colors", "1"}), "--number-of-colors: is 1"},

@@ -11,6 +11,35 @@ import palpate
 from shared import DEMO
 
 
+class Designing(unittest.TestCase):
+    def test_a_pattern_is_what_was_asked_for_and_can_be_written(self):
+        rig, colors = palpate.read_rig(DEMO / "rig.yaml"), palpate.train_colors(DEMO / "training")
+        design = palpate.design_pattern(rig, trained=colors, number_of_colors=4, period=23, distances=(600, 800))
+        self.assertEqual(design.pattern.stripes, 4 * 3 + 1)  # each ordered pair of colours once
+        self.assertGreater(design.largest_overlap, 0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "pattern.yaml"
+            design.pattern.write(path)
+            read = palpate.read_pattern(path)
+        self.assertEqual((read.period, read.stripes), (23, 13))
+
+    def test_the_period_is_the_shortest_that_the_camera_resolves(self):
+        rig = palpate.read_rig(DEMO / "rig.yaml")
+        fine, coarse = (palpate.design_pattern(rig, min_camera_period=least) for least in (7, 14))
+        for design, least in ((fine, 7), (coarse, 14)):
+            self.assertGreaterEqual(design.camera_period, least)
+            one_less = palpate.design_pattern(rig, period=design.pattern.period - 1)
+            self.assertLess(one_less.camera_period, least)
+
+    def test_what_cannot_be_is_refused(self):
+        rig = palpate.read_rig(DEMO / "rig.yaml")
+        for options, words in (({"number_of_colors": 1}, "number_of_colors is 1; it must be in"),
+                               ({"axis": "z"}, "axis is 'z'; it must be one of 'x', 'y', 'auto'"),
+                               ({"distances": (900, 500)}, "far is 500 mm; it must be >= 900")):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                palpate.design_pattern(rig, **options)
+
+
 class Decoding(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

@@ -23,6 +23,7 @@
 #include "palpate/sensing/trained_colors.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -42,11 +43,9 @@ constexpr double kFullContrast = 0.5;
 struct PatternCall {
   fs::path rig, colors, output;
   std::vector<int> size = {1024, 768};
-  std::optional<std::string> axis;
   std::vector<double> distances;
   int grey_steps = 18;
   bool no_compensation = false;
-  std::optional<double> mean, amplitude;
   std::optional<int> multishot;  ///< number of steps
   sensing::PatternOptions design;
   sensing::DrawOptions drawing;
@@ -207,7 +206,6 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
 void make_pattern(const Settings& settings, PatternCall call) {
   check_output_folder({call.rig, call.colors}, call.output);
   if (!call.colors.empty()) call.design.trained = sensing::read_trained_colors(call.colors);
-  if (call.axis) call.design.axis = *call.axis == "x" ? sensing::Axis::x : sensing::Axis::y;
   if (!call.distances.empty()) {
     if (call.distances[0] > call.distances[1]) {
       throw InvalidInput(fmt::format(
@@ -219,9 +217,10 @@ void make_pattern(const Settings& settings, PatternCall call) {
   }
   call.drawing.compensate = !call.no_compensation;
   // Without stripes no trough has to show a hue.
-  if (call.multishot) call.design.mean = call.design.amplitude = kFullContrast;
-  call.design.mean = call.mean.value_or(call.design.mean);
-  call.design.amplitude = call.amplitude.value_or(call.design.amplitude);
+  if (call.multishot) {
+    call.design.mean = call.design.mean.value_or(kFullContrast);
+    call.design.amplitude = call.design.amplitude.value_or(kFullContrast);
+  }
   Drawer draw{.rig = {}, .width = call.size[0], .height = call.size[1], .options = call.drawing};
   if (!call.rig.empty()) {
     draw.rig = load_rig(call.rig);
@@ -241,22 +240,11 @@ void make_pattern(const Settings& settings, PatternCall call) {
 }
 
 void add_design_options(CLI::App& command, PatternCall& call) {
-  command.add_option("--number-of-colors", call.design.colors, "Number of stripe colours")
-      ->check(within(at_least(2).at_most(24)))
-      ->capture_default_str();
-  command
-      .add_option("--stripes", call.design.stripes,
-                  "Number of stripes (default: the maximum, with each ordered pair of colours as "
-                  "neighbours once)")
-      ->check(within(at_least(2)));
+  add_fields(command, fields_of(call.design));
+  command.get_option("--min-camera-period")->needs("--rig");
   command.add_option("--colors", call.colors,
                      "Trained colours (colors.yaml): choose the colours that the camera "
                      "distinguishes best");
-  command
-      .add_option("--axis", call.axis,
-                  "Axis along which the sinusoid varies (default: the axis along which depth "
-                  "shifts the pattern more)")
-      ->check(one_of({"x", "y"}));
   command
       .add_option("--distances", call.distances,
                   "Distance of the nearest and the farthest object [mm] (default: where the views "
@@ -264,29 +252,6 @@ void add_design_options(CLI::App& command, PatternCall& call) {
       ->expected(2)
       ->needs("--rig")
       ->check(within(above(0)));
-  command
-      .add_option("--period", call.design.period,
-                  "Period of the sinusoid [projector px] (default: the shortest that "
-                  "--min-camera-period and "
-                  "--min-projector-period allow)")
-      ->check(within(above(0)));
-  command
-      .add_option("--min-camera-period", call.design.min_camera_period,
-                  "Shortest period in the camera [px]")
-      ->needs("--rig")
-      ->capture_default_str();
-  command
-      .add_option("--min-projector-period", call.design.min_projector_period,
-                  "Shortest period in the projector [px]")
-      ->capture_default_str();
-  command
-      .add_option("--mean", call.mean,
-                  "Mean brightness; 1 is white (default: 0.575; with --multishot 0.5)")
-      ->check(within(finite()));
-  command
-      .add_option("--amplitude", call.amplitude,
-                  "Amplitude of the sinusoid; 1 is white (default: 0.425; with --multishot 0.5)")
-      ->check(within(finite()));
 }
 
 }  // namespace

@@ -3,10 +3,13 @@
 #include "palpate/sensing/option_lists.h"
 
 #include "palpate/sensing/decode.h"
+#include "palpate/sensing/pattern_design.h"
 
 namespace palpate::sensing {
 
 void visit_options(FieldVisitor& visitor) {
+  PatternOptions pattern;
+  visit(pattern, visitor);
   DecodeOptions decode;
   visit(decode, visitor);
 }

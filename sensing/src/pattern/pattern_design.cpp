@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/pattern_design.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
@@ -33,11 +37,12 @@ constexpr double kLeastPhase = 0.01;
 /// Numbers that exceed a whole number by less than this equal it up to rounding.
 constexpr double kWholeTolerance = 1e-9;
 
+constexpr std::array<std::string_view, 3> kAxes{"x", "y", "auto"};
+/// The sinusoid reaches white, and its troughs are just bright enough to show the hue of stripes.
+constexpr double kMean = 0.575, kAmplitude = 0.425;
+
 void check_options(const PatternOptions& options) {
-  const Interval periods = at_least(kNyquistPeriod).finite();
-  require("PatternOptions::min_camera_period", options.min_camera_period, periods, "px");
-  require("PatternOptions::min_projector_period", options.min_projector_period, periods, "px");
-  require("PatternOptions::period", options.period, periods, "px");
+  static_cast<void>(in_range(options));
   if (options.range) {
     require("PatternOptions::range.near", options.range->near, above(0).finite(), "mm");
     require("PatternOptions::range.far", options.range->far, at_least(options.range->near).finite(),
@@ -143,12 +148,12 @@ void add_stripes(const PatternOptions& options, int length, PatternDesign& desig
   Pattern& pattern = design.pattern;
   std::vector<TrainedColor> seen;
   if (options.trained) {
-    SpreadColors spread = spread_colors(*options.trained, options.colors);
+    SpreadColors spread = spread_colors(*options.trained, options.number_of_colors);
     pattern.colors = std::move(spread.colors);
     seen = std::move(spread.expected);
     design.largest_overlap = largest_overlap(seen);
   } else {
-    pattern.colors = evenly_spaced_colors(options.colors);
+    pattern.colors = evenly_spaced_colors(options.number_of_colors);
     const auto count = static_cast<double>(pattern.colors.size());
     for (const PatternColor& color : pattern.colors) {
       const double mean = 2 * std::numbers::pi * static_cast<double>(seen.size()) / count;
@@ -158,9 +163,12 @@ void add_stripes(const PatternOptions& options, int length, PatternDesign& desig
   pattern.stripes = stripe_sequence(hue_separation(seen), options.stripes);
   const auto count = static_cast<int>(pattern.stripes.size());
   if (length < count * kLeastStripeWidth) {
-    throw InvalidInput("PatternOptions: stripes: " + std::to_string(count) + " stripes on " +
-                       std::to_string(length) + " projector pixels are narrower than " +
-                       std::to_string(kLeastStripeWidth) + " px; take fewer stripes or colours");
+    throw InvalidInput(std::vector<MessagePart>{
+        {"PatternOptions::stripes", true},
+        {fmt::format(": {} stripes on {} projector pixels are narrower than {} px; take fewer "
+                     "stripes, or a smaller ",
+                     count, length, kLeastStripeWidth)},
+        {"PatternOptions::number_of_colors", true}});
   }
   for (int i = 1; i < count; ++i) {
     pattern.stripe_edges.push_back(std::round(static_cast<double>(length) * i / count) - 0.5);
@@ -170,8 +178,8 @@ void add_stripes(const PatternOptions& options, int length, PatternDesign& desig
 PatternDesign start_design(const PatternOptions& options, Axis axis, int width, int height) {
   PatternDesign design;
   design.pattern.axis = axis;
-  design.pattern.mean = options.mean;
-  design.pattern.amplitude = options.amplitude;
+  design.pattern.mean = options.mean.value_or(kMean);
+  design.pattern.amplitude = options.amplitude.value_or(kAmplitude);
   design.pattern.projector_size = Eigen::Vector2i(width, height);
   add_stripes(options, axis == Axis::y ? width : height, design);
   return design;
@@ -182,16 +190,55 @@ void check_design(const Pattern& pattern) {
   const int length =
       pattern.axis == Axis::y ? pattern.projector_size->y() : pattern.projector_size->x();
   if (!(pattern.period <= length)) {
-    std::ostringstream message;
-    message << "PatternOptions: period: " << pattern.period << " px does not fit on the " << length
-            << " px of the projector along " << (pattern.axis == Axis::y ? 'y' : 'x')
-            << "; take a shorter period, or smaller min_camera_period and min_projector_period";
-    throw InvalidInput(message.str());
+    throw InvalidInput(std::vector<MessagePart>{
+        {"PatternOptions::period", true},
+        {fmt::format(": {:g} px does not fit on the {} px of the projector along {}; take a "
+                     "shorter one, or smaller ",
+                     pattern.period, length, pattern.axis == Axis::y ? 'y' : 'x')},
+        {"PatternOptions::min_camera_period", true},
+        {" and "},
+        {"PatternOptions::min_projector_period", true}});
   }
   check_pattern(pattern, "PatternOptions");
 }
 
 }  // namespace
+
+void visit(PatternOptions& options, FieldVisitor& visitor) {
+  const Interval periods = at_least(kNyquistPeriod).finite();
+  visitor.begin("PatternOptions");
+  visitor.whole({"number_of_colors", "Number of stripe colours"}, options.number_of_colors,
+                at_least(2).at_most(24));
+  visitor.whole({"stripes",
+                 "Number of stripes. Without it: the maximum, with each ordered pair of colours "
+                 "as neighbours once"},
+                options.stripes, at_least(2));
+  visitor.choice({"axis",
+                  "Axis along which the sinusoid varies: x, y, or auto, the axis along which the "
+                  "depth shifts the pattern more"},
+                 options.axis, kAxes);
+  visitor.real({"period",
+                "Period of the sinusoid. Without it: the shortest that min_camera_period and "
+                "min_projector_period allow",
+                "projector px"},
+               options.period, periods);
+  visitor.real(
+      {"min_camera_period",
+       "With a rig: shortest period in the image of the camera, on surfaces that face it", "px"},
+      options.min_camera_period, periods);
+  visitor.real({"min_projector_period", "Shortest period in the projector", "px"},
+               options.min_projector_period, periods);
+  visitor.real({"mean",
+                "Mean brightness of the sinusoid. Without it: 0.575, at which the troughs just "
+                "show the hue of the stripes; 0.5 for several images",
+                "of white"},
+               options.mean, above(0).below(1));
+  visitor.real({"amplitude",
+                "Amplitude of the sinusoid. Without it: 0.425, which reaches white; 0.5 for "
+                "several images",
+                "of white"},
+               options.amplitude, above(0).at_most(0.5));
+}
 
 PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
   check_rig(rig, "rig");
@@ -203,9 +250,11 @@ PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
   const std::size_t along = axis == Axis::x ? 0 : 1;
   const std::size_t across = 1 - along;
   if (!(view.per_depth[along] > 0)) {
-    throw InvalidInput(std::string("PatternOptions: axis: with this rig a sinusoid along ") +
-                       (axis == Axis::x ? "x" : "y") + " does not change with the depth; take " +
-                       (axis == Axis::x ? "y" : "x"));
+    const bool is_x = axis == Axis::x;
+    throw InvalidInput(std::vector<MessagePart>{
+        {"PatternOptions::axis", true},
+        {fmt::format(": with this rig a sinusoid along {} does not change with the depth; take {}",
+                     is_x ? 'x' : 'y', is_x ? 'y' : 'x')}});
   }
   const double least =
       std::max(options.min_projector_period, options.min_camera_period * view.steepest[along]);

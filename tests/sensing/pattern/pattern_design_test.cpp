@@ -102,7 +102,7 @@ TEST(PatternDesign, TakesTheAxisAlongWhichDepthMovesThePatternMore) {
 }
 
 TEST(PatternDesign, WithoutARigFillsThePanel) {
-  const PatternDesign design = design_pattern(800, 600, {.colors = 4, .stripes = 10});
+  const PatternDesign design = design_pattern(800, 600, {.number_of_colors = 4, .stripes = 10});
   EXPECT_EQ(design.pattern.stripes.size(), 10U);
   EXPECT_EQ(design.pattern.stripe_edges[0], 79.5);
   EXPECT_EQ(design.pattern.period, 10);
@@ -116,10 +116,10 @@ TEST(PatternDesign, RefusesWhatCannotBe) {
         message_of<InvalidInput>([&] { (void)design_pattern(rig, options); });
     return message.find(words) != std::string::npos;
   };
-  EXPECT_TRUE(refused_for({.colors = 1}, "in [2, 24]"));
+  EXPECT_TRUE(refused_for({.number_of_colors = 1}, "in [2, 24]"));
   EXPECT_TRUE(refused_for({.stripes = 32}, "2 to 31"));
-  EXPECT_TRUE(refused_for({.stripes = 0}, "0 stripes of 6 colours"));
-  EXPECT_TRUE(refused_for({.colors = 20}, "narrower than 4"));
+  EXPECT_TRUE(refused_for({.stripes = 0}, "stripes is 0; it must be >= 2"));
+  EXPECT_TRUE(refused_for({.number_of_colors = 20}, "narrower than 4"));
   EXPECT_TRUE(
       refused_for({.range = WorkingRange{900, 500}}, "range.far is 500 mm; it must be >= 900"));
   EXPECT_TRUE(refused_for({.range = WorkingRange{1, 2}}, "lights nothing"));

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "palpate/core/fields.h"
 #include "palpate/sensing/image_size.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
@@ -17,32 +18,28 @@ struct WorkingRange {
   double far = 0;   ///< >= near
 };
 
+/// `visit` describes the fields.
 struct PatternOptions {
-  int colors = 6;  ///< number of stripe colours; in [2, 24]
-  /// Number of stripes, 2 to colors (colors - 1) + 1; the maximum if not given.
+  int number_of_colors = 6;
   std::optional<int> stripes = {};
   /// Trained hues, if any: the colours are chosen so that the camera distinguishes them best.
   std::optional<TrainedColors> trained = {};
-  /// Axis along which the sinusoid varies. Default: the axis along which the projector pixel
-  /// depends more strongly on the depth (y if there is no difference or no rig).
   std::optional<Axis> axis = {};
   /// Default: the depth around which the views of camera and projector overlap.
   std::optional<WorkingRange> range = {};
-  /// Shortest period in the camera image, on surfaces that face the camera anywhere in the range;
-  /// >= 2 (Nyquist). A Bayer mosaic samples red and blue at every second pixel (minimum 4), and a
-  /// slope towards the projector shortens the period by up to a third (minimum 6). At 7 px a lens
-  /// blur of 1 px keeps two thirds of the amplitude. Precision falls in proportion to the period.
+  /// A Bayer mosaic samples red and blue at every second pixel (minimum 4), and a slope towards the
+  /// projector shortens the period by up to a third (minimum 6). At 7 px a lens blur of 1 px keeps
+  /// two thirds of the amplitude. Precision falls in proportion to the period.
   double min_camera_period = 7;
-  /// Shortest period in projector pixels; >= 2. The default keeps 90 % of the amplitude if the
-  /// projector's pixels and lens blur as much as a square of two pixels.
+  /// The default keeps 90 % of the amplitude if the projector's pixels and lens blur as much as a
+  /// square of two pixels.
   double min_projector_period = 8;
-  /// If given, this period [projector px] is used and the two limits above are ignored; >= 2.
   std::optional<double> period = {};
-  /// v = mean + amplitude cos(...). The default reaches v = 1 and keeps the troughs just bright
-  /// enough to show the hue of the stripes.
-  double mean = 0.575;
-  double amplitude = 0.425;  ///< > 0; mean +- amplitude within [0, 1]
+  /// v = mean + amplitude cos(...), within [0, 1].
+  std::optional<double> mean = {}, amplitude = {};
 };
+
+void visit(PatternOptions& options, FieldVisitor& visitor);
 
 /// A pattern and its predicted properties. Without a rig the last three values are 0.
 struct PatternDesign {
