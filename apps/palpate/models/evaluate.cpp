@@ -115,8 +115,7 @@ haptics::QueryErrors compare_with_queries(const haptics::Model& model, const Eva
     return haptics::evaluate_queries(model, haptics::read_queries(call.queries),
                                      call.query_options);
   } catch (const InvalidInput& wrong) {
-    throw InvalidInput(
-        with_option_names(wrong.what(), {{"evaluate_queries(): ", call.queries.string() + ": "}}));
+    throw InvalidInput(with_names(wrong, {{"evaluate_queries()", call.queries.string()}}));
   }
 }
 

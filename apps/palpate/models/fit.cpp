@@ -94,9 +94,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   try {
     return haptics::build_model(acquisition, surface, options);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(error.with_names([&](const std::string& name) {
-      return name == "build_model()" ? call.acquisition.string() : field_option(name);
-    }));
+    throw InvalidInput(with_names(error, {{"build_model()", call.acquisition.string()}}));
   }
 }
 
@@ -127,9 +125,8 @@ geometry::TriangleMesh surface_of(const FitCall& call,
     tell_left_out(made, warnings);
     return std::move(made.mesh);
   } catch (const InvalidInput& wrong) {
-    throw InvalidInput(with_option_names(
-        wrong.what(),
-        {{"contact_surface(): ", call.acquisition.string() + ": without a SURFACE: "}}));
+    throw InvalidInput(with_names(
+        wrong, {{"contact_surface()", call.acquisition.string() + ": without a SURFACE"}}));
   }
 }
 

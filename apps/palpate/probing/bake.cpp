@@ -5,10 +5,12 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "palpate/core/error.h"
@@ -24,6 +26,7 @@
 #include "palpate/probing/specimen_trials.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
 #include "shared/words.h"
@@ -88,7 +91,6 @@ Json failures_of(const probing::SpecimenTrials& trials) {
 }
 
 probing::KnownForces compute_queries(const probing::Specimen& specimen, const BakeCall& call) {
-  if (call.queries.count == 0) return {};
   Progress progress("computing forces to compare with");
   probing::KnownForceOptions options = call.queries;
   options.max_force = call.plan.max_force;
@@ -96,10 +98,8 @@ probing::KnownForces compute_queries(const probing::Specimen& specimen, const Ba
   try {
     return probing::known_forces(specimen, options);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(with_option_names(
-        error.what(), {{"known_forces(): ", call.specimen.string() + ": "},
-                       {"KnownForceOptions::margin", "--margin"},
-                       {"give a smaller one", "give a smaller one, or --queries 0"}}));
+    throw InvalidInput(with_names(error, {{"known_forces()", call.specimen.string()},
+                                          {"KnownForceOptions::count", "--queries"}}));
   }
 }
 
@@ -125,8 +125,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   try {
     return haptics::build_model(acquisition, surface, options);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(
-        with_option_names(error.what(), {{"build_model(): ", call.specimen.string() + ": "}}));
+    throw InvalidInput(with_names(error, {{"build_model()", call.specimen.string()}}));
   }
 }
 
@@ -207,23 +206,9 @@ void add_bake(CLI::App& app, const Settings& settings) {
   command->add_option("SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)")
       ->required();
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
-  command->add_option("--spacing", call->plan.spacing, "Smallest distance between contacts [mm]")
-      ->check(within(above(0).finite()))
-      ->capture_default_str();
-  command
-      ->add_option("--contacts", call->plan.contacts,
-                   "Largest number of contacts (default: no limit)")
-      ->check(within(above(0)));
-  command
-      ->add_option("--directions", call->plan.directions,
-                   "Number of tangential directions under each of five normal forces")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
-  command
-      ->add_option("--max-force", call->plan.max_force,
-                   "Largest force that the model is to render [N]")
-      ->check(within(above(call->queries.least_force).finite()))
-      ->capture_default_str();
+  constexpr std::array<std::string_view, 4> kOfPlan{"spacing", "contacts", "directions",
+                                                    "max_force"};
+  add_fields(*command, fields_of(call->plan), kOfPlan);
   command
       ->add_option("--queries", call->queries.count,
                    "Number of known forces between contacts, to compare the model with")

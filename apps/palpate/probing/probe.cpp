@@ -22,6 +22,7 @@
 #include "probing/probe.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/plausible.h"
 #include "shared/words.h"
@@ -112,9 +113,10 @@ probing::ImportedAcquisition read_data(const ProbeCall& call) {
   } catch (const FileError&) {
     throw;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(with_option_names(
-        error.what(), {{"AcquisitionMapping::columns", call.mapping.empty() ? "--map" : "columns"},
-                       {"AcquisitionMapping::", "--mapping: "}}));
+    throw InvalidInput(error.with_names([&](const std::string& name) -> std::string {
+      if (name == "AcquisitionMapping::columns") return call.mapping.empty() ? "--map" : "columns";
+      return "--mapping: " + name.substr(name.rfind(':') + 1);
+    }));
   }
 }
 
@@ -166,8 +168,8 @@ geometry::MeshFile surface_of(const ProbeCall& call, const probing::CheckedAcqui
     surface.mesh = std::move(made.mesh);
     return surface;
   } catch (const InvalidInput& wrong) {
-    throw InvalidInput(with_option_names(
-        wrong.what(), {{"contact_surface(): ", files_in_words(call.data) + ": --surface-out: "}}));
+    throw InvalidInput(
+        with_names(wrong, {{"contact_surface()", files_in_words(call.data) + ": --surface-out"}}));
   }
 }
 

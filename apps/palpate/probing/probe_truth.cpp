@@ -18,9 +18,9 @@
 #include "probing/probe.h"
 #include "probing/probe_truth.h"
 #include "shared/call_checks.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
-#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -60,9 +60,8 @@ void tell_truth(const Settings& settings, const TruthCall& call) {
     options.progress = [&](int done, int total) { progress.show(done, total); };
     write_truth(call.output, *specimen, options);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(
-        with_option_names(error.what(), {{"known_forces(): ", "palpate probe truth: "},
-                                         {"KnownForceOptions::margin", "--margin"}}));
+    throw InvalidInput(with_names(error, {{"known_forces()", call.specimen.string()},
+                                          {"KnownForceOptions::count", "--queries"}}));
   }
   const auto vertices = specimen->surface().vertices.cols();
   print(settings,
@@ -92,7 +91,7 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
   command->add_option("-o,--output", call->output, "Folder for surface.ply and queries.csv")
       ->required();
   command->add_option("--queries", call->options.count, "Number of known forces")
-      ->check(within(above(0)))
+      ->check(within(at_least(0)))
       ->capture_default_str();
   command
       ->add_option("--margin", call->options.margin,

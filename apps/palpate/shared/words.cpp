@@ -102,14 +102,4 @@ std::string worst_lines(const std::vector<std::string>& lines, const std::vector
   return worst;
 }
 
-std::string with_option_names(std::string message,
-                              const std::vector<std::pair<std::string, std::string>>& names) {
-  for (const auto& [option, name] : names) {
-    for (std::size_t at = message.find(option); at != std::string::npos;
-         at = message.find(option, at + name.size()))
-      message.replace(at, option.size(), name);
-  }
-  return message;
-}
-
 }  // namespace palpate::apps

@@ -4,7 +4,6 @@
 
 #include <concepts>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "palpate/haptics/build_model.h"
@@ -37,10 +36,5 @@ template <std::integral Count>
 /// many they are of all; with -v, all in their order.
 [[nodiscard]] std::string worst_lines(const std::vector<std::string>& lines,
                                       const std::vector<double>& errors);
-
-/// Replaces the library's names of options in a message ("BuildOptions::max_distance") by those of
-/// the command ("--max-distance"), as given by `names`.
-[[nodiscard]] std::string with_option_names(
-    std::string message, const std::vector<std::pair<std::string, std::string>>& names);
 
 }  // namespace palpate::apps

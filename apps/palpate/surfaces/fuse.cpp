@@ -120,25 +120,6 @@ geometry::Scan read_scan(const FuseCall& call, const fs::path& file) {
           .viewpoint = Eigen::Vector3d::Zero()};
 }
 
-/// Merges, with the names of files and options in messages.
-geometry::MergedScans merge_named(const FuseCall& call, const std::vector<geometry::Scan>& scans,
-                                  const std::vector<std::string>& names) {
-  geometry::MergeScansOptions options = call.options;
-  options.progress = shown_as("fusing");
-  try {
-    return geometry::merge_scans(scans, options);
-  } catch (const InvalidInput& error) {
-    std::vector<std::pair<std::string, std::string>> words = {
-        {"MergeScansOptions::max_memory", "--max-memory"},
-        {"MergeScansOptions::spacing", "--spacing"},
-        {"repair_mesh", "palpate mesh --repair"}};
-    // The last first, so that no number begins another.
-    for (std::size_t i = names.size(); i-- > 0;)
-      words.emplace_back("merge_scans: scan " + std::to_string(i), names[i]);
-    throw InvalidInput(with_option_names(error.what(), words));
-  }
-}
-
 /// Refuses scans that disagree where they overlap, unless the call insists.
 /// \return the pairs that disagree, with the names of their files.
 Json refuse_conflicts(const FuseCall& call, const geometry::MergedScans& merged,
@@ -191,12 +172,15 @@ void fuse(const Settings& settings, const FuseCall& call) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     scans.push_back(read_scan(call, files[i]));
     scans.back().T_object_scan = poses[i];
-    names.push_back(files[i].string());
+    scans.back().name = files[i].string();
+    names.push_back(scans.back().name);
   }
   Json registered = Json::array();
   if (call.registration.wanted)
     registered = register_named_scans(scans, names, "scan", call.registration);
-  const geometry::MergedScans merged = merge_named(call, scans, names);
+  geometry::MergeScansOptions options = call.options;
+  options.progress = shown_as("fusing");
+  const geometry::MergedScans merged = geometry::merge_scans(scans, options);
   const Json conflicts = refuse_conflicts(call, merged, names);
   geometry::write_mesh_file(call.output, mesh_file(merged));
   if (!call.picture.empty()) {

@@ -60,10 +60,10 @@ Grid grid_around(const std::vector<TriangleMesh>& meshes, double spacing, double
   for (const TriangleMesh& mesh : meshes) box.extend(bounding_box(mesh));
   const double size = box.diagonal().norm();
   if (!(spacing <= size)) {
-    throw InvalidInput(
-        fmt::format("MergeScansOptions::spacing is {:g} mm; it must be at most the size of the "
-                    "scans, {:.4g} mm",
-                    spacing, size));
+    throw InvalidInput(std::vector<MessagePart>{
+        {"MergeScansOptions::spacing", true},
+        {fmt::format(" is {:g} mm; it must be at most the size of the scans, {:.4g} mm", spacing,
+                     size)}});
   }
   const double margin = (reach + 2) * spacing;
   const double extent = box.sizes().maxCoeff() + 2 * margin;
@@ -88,10 +88,10 @@ void check_memory(const TriangleMesh& mesh, std::size_t present, const Grid& gri
   if (needed <= options.max_memory) return;
   // The number of grid points in a layer falls with the square of the spacing.
   const double enough = grid.spacing * std::sqrt(needed / options.max_memory);
-  throw InvalidInput(fmt::format(
-      "{} needs {:g} GB for a grid of {:g} mm; MergeScansOptions::max_memory is {:g} GB. "
-      "A spacing of {:g} mm fits into it",
-      name, needed, grid.spacing, options.max_memory, enough));
+  throw InvalidInput(std::vector<MessagePart>{
+      {fmt::format("{} needs {:g} GB for a grid of {:g} mm; ", name, needed, grid.spacing)},
+      {"MergeScansOptions::max_memory", true},
+      {fmt::format(" is {:g} GB. A spacing of {:g} mm fits into it", options.max_memory, enough)}});
 }
 
 /// The triangles of which no corner is beyond the border of all scans.
@@ -150,10 +150,10 @@ void visit(MergeScansOptions& options, FieldVisitor& visitor) {
 MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& given) {
   const MergeScansOptions options = in_range(given);
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "merge_scans");
-  require_manifold(meshes, "merge_scans");
+  require_manifold(scans, "merge_scans");
   bool know_sigma = true;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    check_sigma(scans[i], "merge_scans: scan " + std::to_string(i));
+    check_sigma(scans[i], scan_name(scans, i, "merge_scans"));
     know_sigma = know_sigma && scans[i].sigma.size() > 0;
   }
   MergedScans merged;
@@ -163,7 +163,7 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& gi
   ConflictSearch conflicts(scans, meshes, reach);
   std::vector<GridDistance> volume;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    check_memory(meshes[i], volume.size(), grid, options, "merge_scans: scan " + std::to_string(i));
+    check_memory(meshes[i], volume.size(), grid, options, scan_name(scans, i, "merge_scans"));
     const ScanDistance scan(meshes[i], know_sigma ? scans[i].sigma : Eigen::VectorXd(),
                             kOverhang * grid.spacing);
     const auto report = [&](std::size_t done) {

@@ -11,12 +11,16 @@
 
 namespace palpate::geometry {
 
+std::string scan_name(std::span<const Scan> scans, std::size_t i, const std::string& caller) {
+  return scans[i].name.empty() ? caller + ": scan " + std::to_string(i) : scans[i].name;
+}
+
 std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
                                              const std::string& caller) {
   if (scans.empty()) throw InvalidInput(caller + ": there is no scan");
   std::vector<TriangleMesh> meshes;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    const std::string name = caller + ": scan " + std::to_string(i);
+    const std::string name = scan_name(scans, i, caller);
     check_mesh(scans[i].mesh, name.c_str());
     if (!is_rigid(scans[i].T_object_scan)) {
       throw InvalidInput(name + ": T_object_scan is not a rotation and a finite shift");
@@ -29,13 +33,13 @@ std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
   return meshes;
 }
 
-void require_manifold(const std::vector<TriangleMesh>& meshes, const std::string& caller) {
-  for (std::size_t i = 0; i < meshes.size(); ++i) {
+void require_manifold(std::span<const Scan> scans, const std::string& caller) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
     try {
-      (void)opposite_half_edges(meshes[i]);
+      (void)opposite_half_edges(scans[i].mesh);
     } catch (const InvalidInput& error) {
-      throw InvalidInput(caller + ": scan " + std::to_string(i) + " is not manifold; " +
-                         error.what() + ". repair_mesh mends it");
+      throw InvalidInput(scan_name(scans, i, caller) + " is not manifold; " + error.what() +
+                         ". repair_mesh (palpate mesh --repair) mends it");
     }
   }
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,10 @@
 
 namespace palpate::geometry {
 
+/// What messages of `caller` call a scan: its name, or "merge_scans: scan 3".
+[[nodiscard]] std::string scan_name(std::span<const Scan> scans, std::size_t i,
+                                    const std::string& caller);
+
 /// Transforms the scans to the frame of the object.
 /// \throws InvalidInput naming `caller` and the scan if there is none, one is not valid or its pose
 /// is not rigid and finite.
@@ -17,7 +22,7 @@ namespace palpate::geometry {
                                                            const std::string& caller);
 
 /// \throws InvalidInput naming `caller` and the scan if one is not manifold or not oriented.
-void require_manifold(const std::vector<TriangleMesh>& meshes, const std::string& caller);
+void require_manifold(std::span<const Scan> scans, const std::string& caller);
 
 /// [mm] point spacing of scans: their median edge length.
 /// \throws InvalidInput naming `caller` if it is 0.

@@ -294,7 +294,7 @@ class Zipper {
 ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions& options) {
   require("ZipperScansOptions::reach", options.reach, above(0).finite());
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "zipper_scans");
-  require_manifold(meshes, "zipper_scans");
+  require_manifold(scans, "zipper_scans");
   ZipperedScans result;
   result.spacing = median_edge_length(meshes, "zipper_scans");
   Zipper zipper(result.spacing, options.reach);

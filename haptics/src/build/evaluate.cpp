@@ -265,6 +265,10 @@ std::vector<SuggestedContact> suggest_contacts(const Model& model, const Complia
   return chosen;
 }
 
+InvalidInput wrong_queries(const std::string& problem) {
+  return InvalidInput(std::vector<MessagePart>{{"evaluate_queries()", true}, {": " + problem}});
+}
+
 }  // namespace
 
 std::vector<Query> read_queries(const std::filesystem::path& path) {
@@ -289,8 +293,7 @@ void visit(QueryOptions& options, FieldVisitor& visitor) {
 QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                              const QueryOptions& given) {
   const QueryOptions options = in_range(given);
-  if (queries.empty())
-    throw InvalidInput("evaluate_queries(): there is no query; pass at least one");
+  if (queries.empty()) throw wrong_queries("there is no query; pass at least one");
   const BlendedField field(model);
   std::vector<double> errors;
   StatedSums stated;
@@ -301,12 +304,12 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const Query& query = queries[i];
     if (!query.contact.allFinite() || !query.displacement.allFinite() || !query.force.allFinite())
-      throw InvalidInput("evaluate_queries(): " + name_of(i) + " is not finite; leave it out");
+      throw wrong_queries(name_of(i) + " is not finite; leave it out");
     const double distance = field.surface().closest_point(query.contact).distance;
     if (!(distance <= options.max_distance)) {
-      throw InvalidInput(
-          fmt::format("evaluate_queries(): the contact of {} is {:g} mm from the surface; at most "
-                      "{:g} mm are allowed. Check that queries and model are in one frame",
+      throw wrong_queries(
+          fmt::format("the contact of {} is {:g} mm from the surface; at most {:g} mm are allowed. "
+                      "Check that queries and model are in one frame",
                       name_of(i), distance, options.max_distance));
     }
     const Eigen::Vector3d force = field.force(query.contact, query.displacement);

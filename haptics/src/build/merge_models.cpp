@@ -97,7 +97,8 @@ void merge_surfaces(std::span<const SideModel> sides, const std::vector<Eigen::I
                     const MergeModelsOptions& options, MergedModel& merged) {
   std::vector<geometry::Scan> scans;
   for (std::size_t i = 0; i < sides.size(); ++i)
-    scans.push_back({.mesh = sides[i].model.surface, .T_object_scan = poses[i]});
+    scans.push_back(
+        {.mesh = sides[i].model.surface, .T_object_scan = poses[i], .name = side_name(sides, i)});
   geometry::TriangleMesh& surface = merged.model.surface;
   surface = options.surface == MergedSurface::zippered
                 ? std::move(geometry::zipper_scans(scans).mesh)

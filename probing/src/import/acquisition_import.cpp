@@ -14,6 +14,7 @@
 #include "import/import_tables.h"
 #include "import/sample_rows.h"
 #include "import/series_rows.h"
+#include "import/wrong_mapping.h"
 #include "palpate/core/error.h"
 
 namespace palpate::probing {
@@ -35,22 +36,22 @@ void check_combination(std::span<const fs::path> files, const AcquisitionMapping
     throw InvalidInput("import_acquisition(): there is no file; give at least one");
   const bool has_depth = mapping.columns.contains(kDepthColumn);
   if (has_depth && mapping.content == RowContent::presses_and_drags)
-    throw InvalidInput(
-        "AcquisitionMapping::columns: 'depth' is that of a press without a drag; the content must "
-        "be presses");
+    throw wrong_mapping("columns",
+                        "'depth' is that of a press without a drag; the content must "
+                        "be presses");
   if (has_depth && mapping.content == RowContent::time_series)
-    throw InvalidInput(
-        "AcquisitionMapping::columns: a time series has the position of the tip in ax,ay,az, not a "
-        "depth");
+    throw wrong_mapping("columns",
+                        "a time series has the position of the tip in ax,ay,az, not a "
+                        "depth");
   if (has_depth && mapping.normals_from_forces)
-    throw InvalidInput(
-        "AcquisitionMapping::columns: 'depth' is along the normal, so that normals cannot come "
-        "from the forces; give nx,ny,nz");
+    throw wrong_mapping("columns",
+                        "'depth' is along the normal, so that normals cannot come "
+                        "from the forces; give nx,ny,nz");
   if (mapping.contacts != ContactSource::table) return;
   if (mapping.content == RowContent::time_series)
-    throw InvalidInput(
-        "AcquisitionMapping::contacts: the contacts of a time series are made from its touches: "
-        "contacts must be place, or column if a column says which contact it is");
+    throw wrong_mapping("contacts",
+                        "the contacts of a time series are made from its touches: "
+                        "contacts must be place, or column if a column says which contact it is");
   if (files.size() > 2 || (files.size() == 1 && !is_mat_file(files[0]))) {
     throw InvalidInput("there are " + std::to_string(files.size()) +
                        " files; pass two, the table of contacts and that of samples, or one MAT "

@@ -18,6 +18,7 @@
 
 #include "import/import_columns.h"
 #include "import/series_fields.h"
+#include "import/wrong_mapping.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/mesh_io.h"
@@ -48,7 +49,8 @@ bool is_known_column(const std::string& name) {
 void check_names(const ColumnNames& columns) {
   for (const auto& [column, name] : columns) {
     if (is_known_column(column)) continue;
-    throw InvalidInput("AcquisitionMapping::columns: there is no column '" + column +
+    throw wrong_mapping(
+        "columns", "there is no column '" + column +
                        "' to be read; the columns are those of contacts (id,x,y,z,nx,ny,nz) and of "
                        "samples (id,contact,group_id,px,py,pz,ax,ay,az,bx,by,bz,"
                        "on_friction_boundary,slipped,range_map,time,depth,normal_force)");
@@ -57,8 +59,8 @@ void check_names(const ColumnNames& columns) {
     if (!columns.contains(scalar)) return;
     for (const char* const column : vectors) {
       if (!columns.contains(column)) continue;
-      throw InvalidInput("AcquisitionMapping::columns: names both '" + std::string(scalar) +
-                         "' and '" + column + "'; the first is in place of the other");
+      throw wrong_mapping("columns", "names both '" + std::string(scalar) + "' and '" + column +
+                                         "'; the first is in place of the other");
     }
   };
   exclude(kDepthColumn, {"ax", "ay", "az", "bx", "by", "bz"});
@@ -349,13 +351,13 @@ void check_mapping(const AcquisitionMapping& mapping) {
   check_names(mapping.columns);
   if (mapping.normals_from_forces && mapping.contacts == ContactSource::table &&
       mapping.content != RowContent::time_series)
-    throw InvalidInput(
-        "AcquisitionMapping::normals_from_forces: contacts that have a table have their normals in "
-        "it; make the contacts from the rows (contacts: column or place)");
+    throw wrong_mapping("normals_from_forces",
+                        "contacts that have a table have their normals in "
+                        "it; make the contacts from the rows (contacts: column or place)");
   if (mapping.normals_from_forces && mapping.columns.contains(kNormalForceColumn))
-    throw InvalidInput(
-        "AcquisitionMapping::columns: 'normal_force' is along the normal, so that normals cannot "
-        "come from the forces; give nx,ny,nz");
+    throw wrong_mapping("columns",
+                        "'normal_force' is along the normal, so that normals cannot "
+                        "come from the forces; give nx,ny,nz");
 }
 
 AcquisitionMapping read_mapping(const std::filesystem::path& path) {

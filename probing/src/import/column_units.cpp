@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "import/import_columns.h"
+#include "import/wrong_mapping.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/csv.h"
@@ -69,11 +70,11 @@ void check_units_of_names(const AcquisitionMapping& mapping) {
     }
     constexpr double kSame = 1e-9;  // relative difference of the same unit, by rounding
     if (!named || std::abs(*named / taken - 1) <= kSame) continue;
-    throw InvalidInput("AcquisitionMapping::columns: '" + column + "' is the column '" + name +
-                       "', in " + std::string(unit) + " by its name, which is " +
-                       to_text(*named / taken) + " times the unit of the mapping; give " +
-                       quantity + ": " + std::string(unit) + " (units in a mapping, or --" +
-                       quantity + "-unit)");
+    throw wrong_mapping(
+        "columns", "'" + column + "' is the column '" + name + "', in " + std::string(unit) +
+                       " by its name, which is " + to_text(*named / taken) +
+                       " times the unit of the mapping; give " + quantity + ": " +
+                       std::string(unit) + " (units in a mapping, or --" + quantity + "-unit)");
   }
 }
 

@@ -24,6 +24,10 @@ namespace {
 using Triangle = std::array<int, 3>;
 using Edge = std::pair<int, int>;  // as the triangle on its left has it
 
+InvalidInput refused(const std::string& problem) {
+  return InvalidInput(std::vector<MessagePart>{{"contact_surface()", true}, {": " + problem}});
+}
+
 /// The direction from which the surface is seen.
 Eigen::Vector3d mean_normal(std::span<const Contact> contacts) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -50,10 +54,10 @@ std::vector<std::array<std::int32_t, 2>> in_plane(std::span<const Contact> conta
                       static_cast<std::int32_t>(std::lround(p.y()))});
     const auto [other, added] = taken.emplace(result.back(), contacts[i].id);
     if (added) continue;
-    throw InvalidInput("contact_surface(): contacts " + std::to_string(other->second) + " and " +
-                       std::to_string(contacts[i].id) +
-                       " are behind each other, seen along the mean normal; a surface can only be "
-                       "made of contacts on one side of an object");
+    throw refused("contacts " + std::to_string(other->second) + " and " +
+                  std::to_string(contacts[i].id) +
+                  " are behind each other, seen along the mean normal; a surface can only be "
+                  "made of contacts on one side of an object");
   }
   return result;
 }
@@ -175,9 +179,7 @@ geometry::TriangleMesh triangulated(std::span<const Contact> contacts,
   const Eigen::Vector3d normal = mean_normal(contacts);
   Trimming trimming(contacts, delaunay(in_plane(contacts, normal)));
   if (trimming.triangles().empty())
-    throw InvalidInput(
-        "contact_surface(): all contacts are in a line; a surface needs contacts on "
-        "both sides of it");
+    throw refused("all contacts are in a line; a surface needs contacts on both sides of it");
   trimming.remove_long(options.longest_edge);
   trimming.remove_needles(normal);
   return mesh_of(contacts, trimming.triangles());
@@ -253,11 +255,11 @@ class Selection {
     for (const Misfit& misfit : misfits) left_out_.emplace(kept_[misfit.contact], misfit.reason);
     if (left_out_.size() > contacts_.size() / kContactsPerMisfit) {
       const Misfit& first = misfits.front();
-      std::string message = "contact_surface(): contact " +
-                            std::to_string(contacts_[kept_[first.contact]].id) + " " + first.reason;
+      std::string message =
+          "contact " + std::to_string(contacts_[kept_[first.contact]].id) + " " + first.reason;
       if (left_out_.size() > 1)
         message += " (and " + std::to_string(left_out_.size()) + " contacts in all do not fit)";
-      throw InvalidInput(message + ": " + first.advice);
+      throw refused(message + ": " + first.advice);
     }
     std::erase_if(kept_, [&](std::size_t i) { return left_out_.contains(i); });
   }
@@ -281,8 +283,8 @@ ContactSurface contact_surface(std::span<const Contact> contacts,
   require("ContactSurfaceOptions::longest_edge", options.longest_edge, above(1).finite());
   require("ContactSurfaceOptions::tip_radius", options.tip_radius, above(0).finite(), "mm");
   if (contacts.size() < 3) {
-    throw InvalidInput("contact_surface(): there are " + std::to_string(contacts.size()) +
-                       " contacts; a surface needs at least three");
+    throw refused("there are " + std::to_string(contacts.size()) +
+                  " contacts; a surface needs at least three");
   }
   Selection selection(contacts);
   selection.leave_out(turned_away(contacts));

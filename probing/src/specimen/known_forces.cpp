@@ -16,6 +16,7 @@
 #include "palpate/core/require.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "palpate/probing/csv.h"
 
 namespace palpate::probing {
 namespace {
@@ -57,9 +58,12 @@ std::vector<KnownForce> draw_forces(const Specimen& specimen, const KnownForceOp
   const std::vector<int> triangles = inner_triangles(mesh, options.margin);
   if (triangles.empty()) {
     throw InvalidInput(
-        "known_forces(): no place is as far from the border of the surface as "
-        "KnownForceOptions::margin, " +
-        std::to_string(options.margin) + " mm; give a smaller one");
+        std::vector<MessagePart>{{"known_forces()", true},
+                                 {": no place is as far from the border of the surface as "},
+                                 {"KnownForceOptions::margin", true},
+                                 {", " + to_text(options.margin) + " mm; give a smaller one, or "},
+                                 {"KnownForceOptions::count", true},
+                                 {" 0"}});
   }
   std::mt19937 random(options.seed);
   std::uniform_int_distribution<std::size_t> any(0, triangles.size() - 1);
@@ -84,11 +88,12 @@ std::vector<KnownForce> draw_forces(const Specimen& specimen, const KnownForceOp
 }  // namespace
 
 KnownForces known_forces(const Specimen& specimen, const KnownForceOptions& options) {
-  require("KnownForceOptions::count", options.count, above(0));
+  require("KnownForceOptions::count", options.count, at_least(0));
   require("KnownForceOptions::margin", options.margin, at_least(0).finite(), "mm");
   require("KnownForceOptions::least_force", options.least_force, above(0).finite(), "N");
   require("KnownForceOptions::max_force", options.max_force, at_least(options.least_force).finite(),
           "N");
+  if (options.count == 0) return {};
   const std::vector<KnownForce> drawn = draw_forces(specimen, options);
   std::vector<std::optional<Vector3d>> displacements(drawn.size());
   std::vector<std::string> reasons(drawn.size());

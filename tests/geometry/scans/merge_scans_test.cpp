@@ -251,11 +251,15 @@ TEST(MergeScans, OfAOneSidedSurfaceAreRefused) {
     band.triangles.col(2 * i) << 2 * i, low, high;
     band.triangles.col(2 * i + 1) << 2 * i, high, 2 * i + 1;
   }
-  const std::vector<Scan> scans = {{.mesh = test::icosphere(2, 20)}, {.mesh = band}};
+  std::vector<Scan> scans = {{.mesh = test::icosphere(2, 20)}, {.mesh = band}};
   EXPECT_THAT(
       [&] { (void)merge_scans(scans); },
       ::testing::ThrowsMessage<InvalidInput>(::testing::AllOf(
           ::testing::HasSubstr("scan 1 is not manifold"), ::testing::HasSubstr("repair_mesh"))));
+  scans[1].name = "left.ply";
+  EXPECT_THAT(
+      [&] { (void)merge_scans(scans); },
+      ::testing::ThrowsMessage<InvalidInput>(::testing::StartsWith("left.ply is not manifold; ")));
 }
 
 TEST(MergeScans, AverageByTheirStandardDeviations) {

@@ -67,7 +67,8 @@ TEST(KnownForces, NamesThoseWithoutAnEquilibriumAndKeepsTheOthers) {
 TEST(KnownForces, RefusesAMarginThatLeavesNoPlace) {
   const auto specimen = make_specimen(ElasticBody{.size = 20});
   EXPECT_THAT(refusal([&] { return known_forces(*specimen, {.margin = 12}); }),
-              HasSubstr("KnownForceOptions::margin, 12"));
+              HasSubstr("KnownForceOptions::margin, 12 mm; give a smaller one"));
+  EXPECT_TRUE(known_forces(*specimen, {.count = 0, .margin = 12}).forces.empty());
   EXPECT_THAT(refusal([&] { return known_forces(*specimen, {.max_force = 0.05}); }),
               HasSubstr("KnownForceOptions::max_force"));
 }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "palpate/core/fields.h"
@@ -23,6 +24,7 @@ struct Scan {
   /// [mm] in the frame of the scan: from here, the whole mesh was seen at one time. Only
   /// `merge_scans` uses it, to find scans that do not belong together.
   std::optional<Eigen::Vector3d> viewpoint = {};
+  std::string name = {};  ///< for messages, such as its file; empty: its number is its name
 };
 
 /// `visit` describes the fields.

@@ -20,7 +20,7 @@ struct KnownForce {
 };
 
 struct KnownForceOptions {
-  int count = 400;           ///< > 0
+  int count = 400;           ///< >= 0
   double margin = 8;         ///< [mm] least distance of places from the border; >= 0
   double least_force = 0.1;  ///< [N] smallest size; > 0
   double max_force = 3;      ///< [N] largest size; >= least_force
