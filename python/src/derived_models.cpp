@@ -132,6 +132,8 @@ Raises InvalidInput.)",
          const py::object& progress, const py::kwargs& keywords) {
         haptics::ReduceOptions options;
         set_fields(fields_of(options), keywords);
+        if (reachable && reachable->empty())
+          throw InvalidInput("reachable: is empty; it must have a value for each vertex");
         if (reachable) options.reachable = *reachable;
         LongWork work(progress);
         options.progress = work.report();

@@ -64,8 +64,8 @@ Json figures_of(const haptics::ReducedModel& reduced, std::size_t contacts) {
            {{"rms", reduced.difference.rms},
             {"p90", reduced.difference.p90},
             {"max", reduced.difference.max},
-            {"of_contacts", reduced.contacts_error},
-            {"of_contacts_and_surface", reduced.surface_error}}},
+            {"of_contacts", reduced.rms_of_contacts},
+            {"of_contacts_and_surface", reduced.rms_of_contacts_and_surface}}},
           {"force_rms", reduced.force_rms},
           {"allowed", reduced.allowed},
           {"raised", reduced.raised},
@@ -96,14 +96,18 @@ std::string in_words(const haptics::ReducedModel& reduced, std::size_t contacts)
       newtons(reduced.force_rms, 2), stated);
 }
 
-// Why the allowed errors had to be raised.
+// Why more is allowed than was asked for.
 void tell_raised(const haptics::ReducedModel& reduced) {
   if (!(reduced.raised > 1)) return;
-  const std::string why = reduced.raised_for_size > 1 || !reduced.stated_before
-                              ? std::string("the model would be larger than allowed")
-                              : fmt::format("the model itself states an error of {}",
-                                            newtons(*reduced.stated_before, 3));
-  spdlog::warn("{}: the allowed errors were raised by a factor of {:.2f}.", why, reduced.raised);
+  std::string why;
+  if (reduced.difference.rms > reduced.allowed)
+    why = "forces differ more even with all contacts in reach";
+  else if (reduced.raised_for_size > 1)
+    why = "the model would be larger than allowed";
+  else
+    why = fmt::format("the model itself states an error of {}", newtons(*reduced.stated_before, 3));
+  spdlog::warn("{}: the allowed error of the force was raised by a factor of {:.2f}.", why,
+               reduced.raised);
 }
 
 void reduce(const Settings& settings, const ReduceCall& call) {
@@ -111,6 +115,11 @@ void reduce(const Settings& settings, const ReduceCall& call) {
   check_replaceable(call.output, haptics::model_entries());
   const haptics::Model model = haptics::read_model(call.model);
   haptics::ReduceOptions options = required(call, model);
+  if (const int unknown = haptics::unknown_friction_count(model); unknown > 0) {
+    spdlog::warn(
+        "the friction of {} contacts is unknown; drags are compared without friction there.",
+        unknown);
+  }
   options.progress = shown_as("Reducing");
   const haptics::ReducedModel reduced = haptics::reduce_model(model, options);
   haptics::write_model(call.output, reduced.model);

@@ -175,7 +175,10 @@ class DocumentHandler : public nlohmann::json_sax<json> {
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const json::exception& error) override {
-    error_ = error.what();
+    // Without "[json.exception.parse_error.101] ", which begins it.
+    const std::string what = error.what();
+    const std::size_t end = what.find("] ");
+    error_ = end == std::string::npos ? what : what.substr(end + 2);
     return false;
   }
 

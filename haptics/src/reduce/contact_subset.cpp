@@ -32,7 +32,9 @@ void set_weights(const geometry::ContactWeights& at, Eigen::Index vertex,
   for (std::size_t k = 0; k < static_cast<std::size_t>(at.count); ++k)
     heaviest.emplace_back(at.weights[k], at.contacts[k]);
   std::ranges::sort(heaviest, std::greater());
-  const double fourth = heaviest.size() > 3 ? heaviest[3].first : 0;
+  // Where four weigh the same, any three will do.
+  const bool has_fourth = heaviest.size() > 3 && heaviest[0].first > heaviest[3].first;
+  const double fourth = has_fourth ? heaviest[3].first : 0;
   heaviest.resize(3, {0, -1});
   double sum = 0;
   for (auto& [weight, contact] : heaviest) sum += weight = std::max(0.0, weight - fourth);

@@ -45,6 +45,8 @@ constexpr int kHalvings = 3;
 constexpr int kCorrections = 6;
 // At least this much less each time.
 constexpr double kCorrection = 0.75;
+// Errors that differ by less are the same, relative to them.
+constexpr double kRounding = 1e-9;
 // Models that are tried, for the progress; it waits below the end if there are more.
 constexpr int kUsualModels = 60;
 
@@ -131,7 +133,7 @@ struct Source {
 
 // Puts the model on the coarsest surface with which it feels alike.
 void coarsen(Source& source, const Allowed& allowed, ReducedModel& result) {
-  const double most = std::hypot(result.contacts_error, std::sqrt(kSurfaceShare) * allowed.force);
+  const double most = std::hypot(result.rms_of_contacts, std::sqrt(kSurfaceShare) * allowed.force);
   double tolerance = allowed.surface;
   for (int i = 0; i < kTolerances && tolerance > 0; ++i, tolerance /= 2) {
     const geometry::Decimation& coarse = source.surface(tolerance);
@@ -140,11 +142,10 @@ void coarsen(Source& source, const Allowed& allowed, ReducedModel& result) {
     source.tried();
     if (error > most) continue;
     result.model = std::move(model);
-    result.surface_error = error;
+    result.rms_of_contacts_and_surface = error;
     result.surface_distance = coarse.distance;
     return;
   }
-  result.surface_error = result.contacts_error;
 }
 
 // Gives contacts simpler fields, with what the other steps left of the allowed error.
@@ -152,8 +153,8 @@ void simplify(const Source& source, std::span<const std::size_t> kept, const All
               ReducedModel& result) {
   std::vector<double> depths;
   for (const std::size_t i : kept) depths.push_back(source.depths[i]);
-  double error =
-      std::sqrt(std::max(0.0, std::pow(allowed.force, 2) - std::pow(result.surface_error, 2)));
+  double error = std::sqrt(
+      std::max(0.0, std::pow(allowed.force, 2) - std::pow(result.rms_of_contacts_and_surface, 2)));
   const Model before = result.model;
   for (int i = 0; i < kCorrections; ++i, error /= 2) {
     result.model = before;
@@ -182,9 +183,12 @@ ReducedModel reduced_within(Source& source, const Allowed& allowed) {
       thin_contacts(source.model, source.in_reach, source.choosing.strokes, source.choosing.ends,
                     std::sqrt(kContactsShare) * allowed.force, source.tried);
   result.model = thinned.model;
-  result.contacts_error = thinned.error;
-  coarsen(source, allowed, result);
-  simplify(source, thinned.kept, allowed, result);
+  result.rms_of_contacts = thinned.error;
+  result.rms_of_contacts_and_surface = thinned.error;
+  if (allowed.force > 0) {
+    coarsen(source, allowed, result);
+    simplify(source, thinned.kept, allowed, result);
+  }
   result.out_of_reach = ids_without(source.model, source.beyond, thinned.kept);
   result.predicted = ids_without(source.model, source.in_reach, thinned.kept);
   if (source.model.response && source.options.keep_shapes)
@@ -192,19 +196,20 @@ ReducedModel reduced_within(Source& source, const Allowed& allowed) {
   return result;
 }
 
-Allowed allowed_errors(const Source& source, const std::optional<double>& stated, double& raised) {
-  const ReduceOptions& options = source.options;
-  const double force = rms_force(source.choosing.ends);
-  const double own = stated.value_or(0);
-  const double infinite = std::numeric_limits<double>::infinity();
-  const double asked = std::min(options.max_error.value_or(infinite),
-                                options.max_relative_error.value_or(infinite) * force);
-  const double least = stated ? kGrowth * own : kShareOfForce * force;
-  double whole = std::isinf(asked) ? least : asked;
-  if (stated && whole < least) whole = least;
-  if (!std::isinf(asked)) raised = whole / asked;
+// [N] The error of the reduced model that is asked for, if any.
+std::optional<double> asked_error(const ReduceOptions& options, double force) {
+  if (!options.max_error && !options.max_relative_error) return std::nullopt;
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  return std::min(options.max_error.value_or(kAny),
+                  options.max_relative_error.value_or(kAny) * force);
+}
+
+// \param own [N] error that the full model states, \param least [N] that the reduced one may have.
+Allowed allowed_errors(const Source& source, double own, double least,
+                       const std::optional<double>& asked) {
+  const double whole = std::max(asked.value_or(least), own > 0 ? least : 0);
   return {.force = std::sqrt(whole * whole - own * own),
-          .surface = options.max_surface_error.value_or(
+          .surface = source.options.max_surface_error.value_or(
               kSurfaceShown * geometry::bounding_diagonal(source.model.surface))};
 }
 
@@ -228,7 +233,7 @@ ReducedModel measured_within(Source& source, const PlayedStrokes& measuring,
       describe(source, measuring, result);
       return result;
     }
-    // At last with all contacts and the surface as it is.
+    // At last with all contacts in reach and their neighbours, on the surface as it is.
     corrected.force *=
         i < kCorrections ? std::min(kCorrection, allowed.force / result.difference.rms) : 0;
   }
@@ -238,24 +243,26 @@ Allowed raised_by(double factor, const Allowed& allowed) {
   return {.force = factor * allowed.force, .surface = factor * allowed.surface};
 }
 
+InvalidInput too_large(double size, double smallest) {
+  return InvalidInput(std::vector<MessagePart>{
+      {"ReduceOptions::max_size", true},
+      {fmt::format(" is {:.0f}; this model cannot be made smaller than {:.0f} bytes", size,
+                   smallest)}});
+}
+
 // With allowed errors that are raised as little as its size needs.
 // \param factor by which they are.
 ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const Allowed& allowed,
                           double& factor) {
-  const std::optional<double> size = source.options.max_size;
-  if (size) {
-    const double least = folder_size(reduced_within(source, raised_by(kMostRaised, allowed)).model);
-    if (least > *size) {
-      throw InvalidInput(std::vector<MessagePart>{
-          {"ReduceOptions::max_size", true},
-          {fmt::format(" is {:.0f}; this model cannot be made smaller than {:.0f} bytes", *size,
-                       least)}});
-    }
-  }
+  if (!source.options.max_size) return measured_within(source, measuring, allowed);
+  const double size = *source.options.max_size;
+  const double least = folder_size(reduced_within(source, raised_by(kMostRaised, allowed)).model);
+  if (least > size) throw too_large(size, least);
   ReducedModel result = measured_within(source, measuring, allowed);
-  if (!size || result.size_after <= *size) return result;
+  if (result.size_after <= size) return result;
   double too_small = factor;
-  while (result.size_after > *size && factor < kMostRaised) {
+  while (result.size_after > size) {
+    if (factor >= kMostRaised) throw too_large(size, result.size_after);
     too_small = factor;
     factor *= 2;
     result = measured_within(source, measuring, raised_by(factor, allowed));
@@ -263,7 +270,7 @@ ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const 
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = std::sqrt(too_small * factor);
     ReducedModel other = measured_within(source, measuring, raised_by(middle, allowed));
-    if (other.size_after <= *size) {
+    if (other.size_after <= size) {
       result = std::move(other);
       factor = middle;
     } else {
@@ -343,15 +350,17 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
                 .surfaces = {}};
   const PlayedStrokes measuring = played(model, settings);
   const std::optional<double> stated = stated_error(model, measuring.ends);
-  double raised = 1;
-  Allowed allowed = allowed_errors(source, stated, raised);
+  const double own = stated.value_or(0), force = rms_force(source.choosing.ends);
+  const double least = own > 0 ? kGrowth * own : kShareOfForce * force;
+  const std::optional<double> asked = asked_error(options, force);
+  const Allowed allowed = allowed_errors(source, own, least, asked);
   double factor = 1;
   ReducedModel result = small_enough(source, measuring, allowed, factor);
-  allowed = raised_by(factor, allowed);
-  raised *= factor;
+  result.allowed = factor * allowed.force;
   result.raised_for_size = factor;
-  result.raised = raised * std::max(1.0, result.difference.rms / allowed.force);
-  result.allowed = allowed.force;
+  const double whole = std::hypot(std::max(result.allowed, result.difference.rms), own);
+  const double raised = whole / asked.value_or(least);
+  result.raised = raised > 1 + kRounding ? raised : 1;
   result.force_rms = rms_force(measuring.ends);
   result.stated_before = stated;
   result.size_before = folder_size(model);

@@ -15,15 +15,16 @@
 namespace palpate::haptics {
 namespace {
 
-// Factors of `ContactUncertainty::between` among which the most likely is chosen: between 1 /
-// kMostFactor and kMostFactor, in equal ratios.
-constexpr double kMostFactor = 30;
-constexpr int kFactors = 81;
+// Values of `ContactUncertainty::between` among which the most likely is chosen: 0, and kValues in
+// equal ratios from the largest that an end asks for down to this share of it.
+constexpr double kLeastShare = 1e-4;
+constexpr int kValues = 81;
 
 // Of the force at the end of a stroke, for the same displacement.
 struct EndError {
   double square = 0;  // [N^2] of the full model's error and the difference of the reduced
-  double rest = 0, between = 0;  // [N^2] that the reduced model states, and the part to scale
+  double rest = 0;    // [N^2] that the reduced model states without what grows between contacts
+  double unit = 0;    // [N^2] that this adds for `between` = 1
   geometry::ContactWeights contacts;
 };
 
@@ -39,23 +40,40 @@ EndError error_at(const StrokeEnd& end, const Model& full, const BlendedField& f
       (full_field.force(full_blend, displacement) - field.force(blend, displacement)).squaredNorm();
   return {.square = own.contacts + own.contrast + own.between * own.distance + difference,
           .rest = parts.contacts + parts.contrast,
-          .between = parts.between * parts.distance,
+          .unit = parts.distance,
           .contacts = blend.contacts};
 }
 
-// The factor with which the stated errors explain the squares best, each counting by its weight.
-double likeliest_factor(const std::vector<std::pair<double, const EndError*>>& weighted) {
-  double best = 1, least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kFactors; ++i) {
-    const double factor = std::pow(kMostFactor, 2 * i / (kFactors - 1.0) - 1);
-    double loss = 0;
-    for (const auto& [weight, error] : weighted) {
-      const double stated = error->rest + factor * factor * error->between;
-      if (stated > 0) loss += weight * (std::log(stated) + error->square / stated);
-    }
+using WeightedErrors = std::vector<std::pair<double, const EndError*>>;
+
+// -2 log likelihood of the errors, each counting by its weight.
+double loss_of(const WeightedErrors& weighted, double between) {
+  double loss = 0;
+  for (const auto& [weight, error] : weighted) {
+    const double stated = error->rest + between * between * error->unit;
+    if (stated > 0)
+      loss += weight * (std::log(stated) + error->square / stated);
+    else if (error->square > 0)
+      return std::numeric_limits<double>::infinity();
+  }
+  return loss;
+}
+
+// The value that explains the errors best; nothing if they do not depend on it.
+std::optional<double> likeliest_between(const WeightedErrors& weighted) {
+  double largest = -1;
+  for (const auto& [weight, error] : weighted) {
+    if (weight > 0 && error->unit > 0)
+      largest = std::max(largest, std::sqrt(error->square / error->unit));
+  }
+  if (largest < 0) return std::nullopt;
+  double best = largest, least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kValues; ++i) {
+    const double value = i == kValues ? 0 : largest * std::pow(kLeastShare, i / (kValues - 1.0));
+    const double loss = loss_of(weighted, value);
     if (loss < least) {
       least = loss;
-      best = factor;
+      best = value;
     }
   }
   return best;
@@ -84,7 +102,7 @@ void state_reduced_errors(const Model& full, std::span<const StrokeEnd> ends, Mo
   parallel_for(ends.size(), [&](std::size_t i) {
     errors[i] = error_at(ends[i], full, full_field, reduced, field);
   });
-  std::vector<std::vector<std::pair<double, const EndError*>>> of_contact(reduced.contacts.size());
+  std::vector<WeightedErrors> of_contact(reduced.contacts.size());
   for (const EndError& error : errors) {
     for (std::size_t k = 0; k < static_cast<std::size_t>(error.contacts.count); ++k) {
       of_contact[static_cast<std::size_t>(error.contacts.contacts[k])].emplace_back(
@@ -93,7 +111,8 @@ void state_reduced_errors(const Model& full, std::span<const StrokeEnd> ends, Mo
   }
   parallel_for(of_contact.size(), [&](std::size_t i) {
     ContactModel& contact = reduced.contacts[i];
-    contact.uncertainty->between *= likeliest_factor(of_contact[i]);
+    if (const std::optional<double> between = likeliest_between(of_contact[i]))
+      contact.uncertainty->between = *between;
     contact = rounded(std::move(contact));
   });
 }

@@ -16,7 +16,8 @@ namespace palpate::haptics {
 
 /// The contacts of a reduced model state other errors between them: what is most likely where
 /// strokes end, with the full model's own error there and the difference of the two forces at the
-/// same displacement. Nothing changes if a contact of the full model states none.
+/// same displacement. A contact that no stroke
+/// tells anything of keeps its own. Nothing changes if a contact of the full model states none.
 void state_reduced_errors(const Model& full, std::span<const StrokeEnd> ends, Model& reduced);
 
 }  // namespace palpate::haptics

@@ -17,6 +17,7 @@
 #include "palpate/core/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/trajectory_file.h"
+#include "scene/scene_members.h"
 
 namespace palpate::haptics {
 namespace {
@@ -146,9 +147,11 @@ std::vector<DocumentNode> objects_with(const DocumentNode& root, const fs::path&
   return found;
 }
 
-// Closest points of a tool that touches, no two much closer together than the margin.
+// Distance of successive places, relative to the margin, which is widened by it.
+constexpr double kApart = 0.01;
+
+// Closest points of a tool that touches; those that follow much closer than the margin are one.
 std::vector<Vector3d> touched(const geometry::TriangleMesh& surface, const SceneRegion& region) {
-  constexpr double kApart = 0.25;  // of the margin
   const geometry::SurfaceQuery query(surface);
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(surface);
   std::vector<Vector3d> places;
@@ -185,7 +188,7 @@ std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
     result[v] = (!region.box || region.box->contains(vertex)) &&
                 (!region.side || region.side->signedDistance(vertex) <= 0) &&
                 (places.empty() || std::ranges::any_of(places, [&](const Vector3d& place) {
-                   return (place - vertex).norm() <= region.margin;
+                   return (place - vertex).norm() <= (1 + kApart) * region.margin;
                  }));
   }
   const bool has_triangle = std::ranges::any_of(surface.triangles.colwise(), [&](const auto& t) {
@@ -209,6 +212,8 @@ SceneRequirement read_scene_requirement(const fs::path& path, const fs::path& mo
   const fs::path folder = path.parent_path();
   try {
     const DocumentNode root(document);
+    root.expect_only(kSceneMembers);
+    for (const DocumentNode& each : root.at("objects").items()) each.expect_only(kObjectMembers);
     const std::vector<DocumentNode> found = objects_with(root, folder, model, object);
     if (found.size() == 1) return requirement_of(found.front(), folder);
     std::string objects;

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "build/interpolated_as.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/realignment.h"
@@ -69,6 +70,17 @@ bool simplify(ContactModel& contact, double error, double depth) {
   return true;
 }
 
+// Compliances and strengths follow the new fields; their trends, learnt from more contacts, stay.
+void renew_values(Model& model) {
+  const Model learnt = interpolated_as(model, model.interpolation);
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    ContactModel& contact = model.contacts[i];
+    const ContactModel& now = learnt.contacts[i];
+    if (contact.compliance && now.compliance) contact.compliance->values = now.compliance->values;
+    if (contact.strength && now.strength) contact.strength->value = now.strength->value;
+  }
+}
+
 }  // namespace
 
 int simplify_fields(Model& model, double error, std::span<const double> depths) {
@@ -76,7 +88,9 @@ int simplify_fields(Model& model, double error, std::span<const double> depths) 
   parallel_for(replaced.size(), [&](std::size_t i) {
     replaced[i] = simplify(model.contacts[i], error, depths[i]) ? 1 : 0;
   });
-  return static_cast<int>(std::ranges::count(replaced, 1));
+  const auto count = static_cast<int>(std::ranges::count(replaced, 1));
+  if (count > 0) renew_values(model);
+  return count;
 }
 
 }  // namespace palpate::haptics

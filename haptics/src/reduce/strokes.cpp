@@ -26,9 +26,9 @@ constexpr int kPressTicks = 25, kDragTicks = 50;
 constexpr double kClearance = 0.1;
 // A drag ends where the force is more than this many times that of the deepest press at its place.
 constexpr double kDragForce = 1.5;
-// The model itself jumps at a stroke if it feels different by this much of that force with a tool
-// that is shifted by this much of the depth in some direction.
-constexpr double kJump = 0.1, kShift = 0.01;
+// The model itself jumps at a stroke if the force changes by this much of that of the deepest press
+// when the tool is shifted by this much of the depth in some direction.
+constexpr double kJump = 0.15, kShift = 0.01;
 // Strokes that are tried for each that is wanted; others leave what can be reached, or the object.
 constexpr int kTries = 20;
 
@@ -74,6 +74,9 @@ geometry::SurfacePoint random_place(const ReachableArea& area, std::mt19937_64& 
   return {.triangle = area.triangles[index], .barycentric = {1 - u - v, u, v}};
 }
 
+// Steps in which the first depth with the largest force is looked for: fields need not be monotone.
+constexpr int kSteps = 16;
+
 // How deep a press may go at a place.
 struct DepthLimit {
   double force = std::numeric_limits<double>::infinity();  // [N]
@@ -82,8 +85,12 @@ struct DepthLimit {
   [[nodiscard]] double at(const BlendedField& field, const Blend& place) const {
     const Vector3d direction = place.field_frame.col(2);
     const auto pushes = [&](double d) { return field.force(place, d * direction).dot(direction); };
-    if (pushes(depth) <= force) return depth;
-    double low = 0, high = depth;
+    double low = 0, high = depth / kSteps;
+    while (pushes(high) <= force) {
+      if (high >= depth) return depth;
+      low = high;
+      high = std::min(depth, high + depth / kSteps);
+    }
     while (high - low > 1e-3 * high) {
       const double middle = (low + high) / 2;
       (pushes(middle) <= force ? low : high) = middle;
@@ -92,6 +99,15 @@ struct DepthLimit {
   }
 };
 
+// [mm] The largest depth at which a contact yields to the reference force; those that never do were
+// not measured further.
+double depth_reached(const Model& model) {
+  double largest = 0;
+  for (const ContactModel& contact : model.contacts)
+    if (contact.compliance) largest = std::max(largest, contact.compliance->values(2));
+  return largest > 0 ? largest : PlaybackOptions{}.start_depth;
+}
+
 DepthLimit depth_limit(const Model& model, const StrokeSettings& settings) {
   DepthLimit limit;
   const Interpolation& measured = model.interpolation;
@@ -99,7 +115,7 @@ DepthLimit depth_limit(const Model& model, const StrokeSettings& settings) {
   if (settings.largest_force) limit.force = *settings.largest_force;
   if (settings.largest_depth || settings.largest_force) return limit;
   if (measured.reference_force > 0)
-    limit.force = measured.reference_force;
+    limit = {.force = measured.reference_force, .depth = depth_reached(model)};
   else if (measured.reference_depth > 0)
     limit.depth = measured.reference_depth;
   else
@@ -109,10 +125,13 @@ DepthLimit depth_limit(const Model& model, const StrokeSettings& settings) {
   return limit;
 }
 
-// [mm] Median length of the edges between contacts.
+// [mm] Median length of the edges between contacts; without edges, as if contacts were spread
+// evenly.
 double usual_distance(const Model& model) {
   std::vector<double> lengths = contact_edge_lengths(model);
-  return lengths.empty() ? 0 : geometry::median(std::move(lengths));
+  if (!lengths.empty()) return geometry::median(std::move(lengths));
+  return geometry::bounding_diagonal(model.surface) /
+         std::sqrt(static_cast<double>(model.contacts.size()));
 }
 
 // The tool moves along a straight way, as long as the force is below a limit. Returns the last
@@ -141,7 +160,7 @@ std::vector<StrokeEnd> ends_of(const Playback& playback, const Stroke& stroke,
   if (starts_inside) ends.back().touches = false;
   if (stroke.dragged != stroke.pressed)
     ends.push_back(
-        moved(playback, stroke.pressed, stroke.dragged, kDragTicks, largest_force, state));
+        moved(playback, ends.front().tool, stroke.dragged, kDragTicks, largest_force, state));
   return ends;
 }
 
@@ -159,7 +178,7 @@ bool jumps(const Playback& playback, const Stroke& stroke, const std::vector<Str
   const Vector3d direction(across * std::cos(angle), across * std::sin(angle), height);
   const std::vector<double> changes =
       force_differences(ends, ends_of(playback, shifted(stroke, by * direction)));
-  return std::ranges::max(changes) > kJump * largest_force;
+  return std::ranges::max(changes) > kJump / kDragForce * largest_force;
 }
 
 }  // namespace
@@ -167,7 +186,7 @@ bool jumps(const Playback& playback, const Stroke& stroke, const std::vector<Str
 std::vector<Stroke> random_strokes(const Model& model, const StrokeSettings& settings) {
   const ReachableArea area = reachable_area(model.surface, settings.reachable);
   const DepthLimit limit = depth_limit(model, settings);
-  const double longest = usual_distance(model);
+  const double longest = usual_distance(model), at_once = force_at_once(model.rate);
   const BlendedField field(model);
   const Playback playback(model);
   const auto is_reachable = [&](const Vector3d& place) {
@@ -186,7 +205,8 @@ std::vector<Stroke> random_strokes(const Model& model, const StrokeSettings& set
       const Vector3d place = geometry::position(model.surface, at);
       const Eigen::Matrix3d& frame = blend.field_frame;
       const double deepest = limit.at(field, blend);
-      const double largest_force = kDragForce * field.force(blend, deepest * frame.col(2)).norm();
+      const double largest_force =
+          at_once * kDragForce * field.force(blend, deepest * frame.col(2)).norm();
       const double depth = (1 - uniform(random)) * deepest;
       const double angle = 2 * std::numbers::pi * uniform(random);
       const double length = settings.drags ? longest * uniform(random) : 0;

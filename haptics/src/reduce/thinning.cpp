@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "palpate/core/error.h"
 #include "palpate/haptics/blended_field.h"
 #include "reduce/contact_subset.h"
 
@@ -88,7 +89,14 @@ class Thinning {
 
   [[nodiscard]] ThinnedContacts with(std::vector<std::size_t> kept) {
     ThinnedContacts result{.kept = std::move(kept), .model = {}};
-    result.model = with_contacts(model_, result.kept);
+    try {
+      result.model = with_contacts(model_, result.kept);
+    } catch (const Error&) {
+      // More contacts may have a triangulation where a few have none.
+      if (result.kept.size() == candidates_.size()) throw;
+      result.error = std::numeric_limits<double>::infinity();
+      return result;
+    }
     differences_ = force_differences(ends_, play_strokes(result.model, strokes_));
     double sum = 0;
     for (const double difference : differences_) sum += difference * difference;

@@ -18,16 +18,13 @@
 #include "palpate/core/error.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/trajectory_file.h"
+#include "scene/scene_members.h"
 
 namespace palpate::haptics {
 namespace {
 
 using nlohmann::json;
 
-// `require` is for those who make models (scene_requirement.h).
-const std::vector<std::string> kScene{"objects",       "tools",      "near_tools",
-                                      "closest_tools", "fade_ticks", "rate"};
-const std::vector<std::string> kObject{"name", "model", "pose", "path", "playback", "require"};
 const std::vector<std::string> kTool{"name", "trajectory"};
 constexpr std::array<const char*, 3> kRules = {"independent", "fade", "refuse"};
 constexpr int kMostFadeTicks = 1'000'000;
@@ -68,7 +65,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
   const DocumentPart part{document, ""};
   const DocumentNode root(part);
   SceneFile scene;
-  root.expect_only(kScene);
+  root.expect_only(kSceneMembers);
   if (const auto rule = root.find("near_tools"))
     scene.options.near_tools = static_cast<NearTools>(rule->choice(kRules));
   if (const auto closest = root.find("closest_tools"))
@@ -84,7 +81,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
   if (objects.empty()) root.at("objects").refuse("at least one object");
   if (tools.empty()) root.at("tools").refuse("at least one tool");
   for (std::size_t i = 0; i < objects.size(); ++i) {
-    objects[i].expect_only(kObject);
+    objects[i].expect_only(kObjectMembers);
     scene.objects.push_back(name_of(objects[i], object_names));
     scene.models.push_back(folder / objects[i].at("model").text());
     scene.motion.objects.push_back(path_of(objects[i], scene, folder));

@@ -28,6 +28,7 @@ TEST(DocumentFile, ReadsTheSameFromYamlAndJson) {
       "a: [1, 2.5, -3e-2]\nb:\n  c: true\n  d: null\n  e: 0.2 N\nf: \"12\"\ng: {}\nh: []\n";
   EXPECT_EQ(read("it.yaml", yaml), read("it.json", json));
   EXPECT_EQ(read("it.yml", json), read("it.json", json));
+  EXPECT_EQ(read("it.yaml", "a: !!str 12\n"), read("it.json", R"({"a": "12"})"));
 }
 
 TEST(DocumentFile, RefusesWhatIsNoDocument) {
@@ -36,6 +37,10 @@ TEST(DocumentFile, RefusesWhatIsNoDocument) {
               AllOf(HasSubstr("it.yaml:"), HasSubstr("is not YAML")));
   EXPECT_THAT(refusal([] { return read("it.yaml", "a: 1\nb: 2\na: 3\n"); }),
               HasSubstr("it.yaml:3: 'a' is there twice"));
+  EXPECT_THAT(refusal([] { return read("it.json", R"({"a": {"b": 1, "c": 2, "b": 3}})"); }),
+              HasSubstr("it.json: 'b' is there twice"));
+  EXPECT_THAT(refusal([] { return read("it.yaml", "a: &x [1, *x]\n"); }),
+              HasSubstr("is nested more than 32 levels deep"));
   EXPECT_THAT(refusal([] { return read_document_file("nowhere/it.yaml"); }),
               HasSubstr("cannot be read"));
 }

@@ -47,6 +47,23 @@ TEST(OnSurface, KeepsForcesAtTheVerticesOfACoarserSurface) {
               1e-9);
 }
 
+// Four contacts weigh the same at the centre of a square of them.
+TEST(OnSurface, HasAForceWhereFourContactsWeighTheSame) {
+  Model model = plate(42);
+  model.surface = flat_surface(50, 2);
+  model.surface_weights = {Eigen::Matrix3Xi::Constant(3, 9, -1), Eigen::Matrix3Xd::Zero(3, 9)};
+  const auto give = [&](Eigen::Index vertex, int a, int b) {
+    model.surface_weights.contacts.col(vertex) << a, b, -1;
+    model.surface_weights.weights.col(vertex) << 0.5, 0.5, 0;
+  };
+  for (Eigen::Index v = 0; v < 9; ++v) give(v, 0, 1);
+  give(1, 0, 1);  // opposite sides of the square
+  give(3, 2, 3);
+  const Model moved = on_surface(model, flat_surface(50, 4));
+  for (Eigen::Index v = 0; v < moved.surface.vertices.cols(); ++v)
+    EXPECT_NEAR(moved.surface_weights.weights.col(v).sum(), 1, 1e-12);
+}
+
 TEST(OnSurface, MovesContactsOntoTheSurface) {
   Model model = plate(42);
   geometry::TriangleMesh raised = model.surface;

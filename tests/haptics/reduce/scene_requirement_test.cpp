@@ -70,6 +70,8 @@ TEST_F(SceneRequirementTest, RefusesWhatCannotBe) {
   EXPECT_THAT(refused("      forces_error: 1 N\n"),
               AllOf(HasSubstr("/objects/0/require: found the member 'forces_error'"),
                     HasSubstr("force_error")));
+  EXPECT_THAT(refused("      slip: true\n    region: {box: [0, 0, 0, 1, 1, 1]}\n"),
+              HasSubstr("/objects/0: found the member 'region'"));
   EXPECT_THAT(refused("      region: {margin: 2 mm}\n"), HasSubstr("'path' beside it"));
   EXPECT_THAT(refused("      region: {path: path.csv}\n"), HasSubstr("'margin' beside it"));
   EXPECT_THAT(refused("      region: {}\n"), HasSubstr("'box', 'side' or 'path'"));

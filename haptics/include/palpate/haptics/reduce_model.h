@@ -44,7 +44,7 @@ struct ReducedModel {
   /// [mm] bound of the distance between the surfaces, in both directions
   double surface_distance = 0;
   /// [N] RMS difference from the full model with fewer contacts; then also with a coarser surface
-  double contacts_error = 0, surface_error = 0;
+  double rms_of_contacts = 0, rms_of_contacts_and_surface = 0;
   geometry::ErrorStatistics difference;  ///< [N] from the full model, at the ends of other strokes
   double force_rms = 0;                  ///< [N] RMS of the forces there
   /// [N] RMS of the errors that the full and the reduced model state there, if they do.
@@ -65,12 +65,11 @@ struct ReducedModel {
 /// strokes, a fifth of `strokes`, chooses; another one, of `strokes`, measures.
 ///
 /// The allowed error is that of the reduced model against the object. If the model states its own
-/// error S there, the reduction may add the root of max_error^2 - S^2. Where that is less than a
-/// tenth of S would allow, or nothing was asked for, it may add as much as raises S by a tenth, or
-/// 1 % of the force if the model states none. If sizes do not hold then, all allowed errors are
-/// raised together until they do.
+/// error S there, the reduction may add the root of max_error^2 - S^2. If max_error is below 1.1 S,
+/// or nothing was asked for, it is 1.1 S. A model that states none may by default change by 1 % of
+/// the force. If the size does not hold then, all allowed errors are raised together until it does.
 ///
-/// Contacts stay where they are, up to the decimation of the surface, with the compliances and
+/// Contacts move only onto the decimated surface, and keep the compliances and
 /// strengths learnt from all contacts. What they state of errors between them is learnt again, from
 /// the full model's own error and the difference of the reduced one, at the ends of the strokes.
 /// The reduced model belongs to no acquisition.
@@ -78,7 +77,8 @@ struct ReducedModel {
 /// \throws InvalidInput if `check_model` rejects the model, an option is outside its range,
 /// `reachable` has another size, fewer than three contacts have influence where it is, no stroke
 /// stays there, the model does not say how far it was measured and neither do the options, or
-/// nothing that is tried is as small as it must be.
+/// nothing that is tried is as small as it must be. \throws InvalidInput or SolverError as
+/// `geometry::triangulate_contacts` if the contacts in reach have no triangulation.
 [[nodiscard]] ReducedModel reduce_model(const Model& model, const ReduceOptions& options = {});
 
 }  // namespace palpate::haptics

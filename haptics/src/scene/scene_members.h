@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace palpate::haptics {
+
+/// What a scene file may have, and each of its objects. `require` is for those who make models
+/// (scene_requirement.h).
+inline const std::vector<std::string> kSceneMembers{"objects",       "tools",      "near_tools",
+                                                    "closest_tools", "fade_ticks", "rate"};
+inline const std::vector<std::string> kObjectMembers{"name", "model",    "pose",
+                                                     "path", "playback", "require"};
+
+}  // namespace palpate::haptics
