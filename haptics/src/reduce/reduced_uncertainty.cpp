@@ -16,7 +16,7 @@ namespace palpate::haptics {
 namespace {
 
 // Values of `ContactUncertainty::between` among which the most likely is chosen: 0, and kValues in
-// equal ratios from the largest that an end asks for down to this share of it.
+// equal ratios from the one that the mean square of the errors asks for down to this share of it.
 constexpr double kLeastShare = 1e-4;
 constexpr int kValues = 81;
 
@@ -61,12 +61,15 @@ double loss_of(const WeightedErrors& weighted, double between) {
 
 // The value that explains the errors best; nothing if they do not depend on it.
 std::optional<double> likeliest_between(const WeightedErrors& weighted) {
-  double largest = -1;
+  // At most as much as the mean square of all errors asks for: few ends close to a contact, where
+  // errors do not grow as assumed, must not count for those far away.
+  double rest = 0, unit = 0;
   for (const auto& [weight, error] : weighted) {
-    if (weight > 0 && error->unit > 0)
-      largest = std::max(largest, std::sqrt(error->square / error->unit));
+    rest += weight * (error->square - error->rest);
+    unit += weight * error->unit;
   }
-  if (largest < 0) return std::nullopt;
+  if (!(unit > 0)) return std::nullopt;
+  const double largest = std::sqrt(std::max(0.0, rest) / unit);
   double best = largest, least = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kValues; ++i) {
     const double value = i == kValues ? 0 : largest * std::pow(kLeastShare, i / (kValues - 1.0));
