@@ -76,6 +76,8 @@ geometry::SurfacePoint random_place(const ReachableArea& area, std::mt19937_64& 
 
 // Steps in which the first depth with the largest force is looked for: fields need not be monotone.
 constexpr int kSteps = 16;
+// Then it is bisected up to this, relative to it.
+constexpr double kDepthTolerance = 1e-3;
 
 // How deep a press may go at a place.
 struct DepthLimit {
@@ -91,7 +93,7 @@ struct DepthLimit {
       low = high;
       high = std::min(depth, high + depth / kSteps);
     }
-    while (high - low > 1e-3 * high) {
+    while (high - low > kDepthTolerance * high) {
       const double middle = (low + high) / 2;
       (pushes(middle) <= force ? low : high) = middle;
     }
