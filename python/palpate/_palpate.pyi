@@ -790,6 +790,24 @@ def reduce_model(
     seed: int = ...,
 ) -> ReducedModel: ...
 
+class ErrorForecast(metaclass=_Class):
+    def __init__(
+        self,
+        model: Model,
+        *,
+        reachable: Sequence[bool] | _Bool | None = ...,
+        largest_force: float | None = ...,
+        largest_depth: float | None = ...,
+        slip: bool = ...,
+    ) -> None: ...
+    def with_contacts(self, contacts: _Numbers) -> float: ...
+    @property
+    def at_present(self) -> float: ...
+    @property
+    def of_contacts(self) -> float: ...
+    @property
+    def force(self) -> float: ...
+
 _Forces = Literal["material", "forces", "feel"]
 
 def scale_model(

@@ -10,6 +10,7 @@
 #include "bindings.h"
 #include "fields.h"
 #include "palpate/geometry/surface_map.h"
+#include "palpate/haptics/error_forecast.h"
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/reduce_model.h"
 #include "palpate/haptics/scale_model.h"
@@ -143,6 +144,50 @@ Raises InvalidInput.)",
       doc.c_str());
 }
 
+void add_forecast(py::module_& module) {
+  py::class_<haptics::ErrorForecast>(module, "ErrorForecast",
+                                     "The error of a model with other contacts.")
+      .def(
+          py::init([](const Model& model, const std::optional<std::vector<bool>>& reachable,
+                      std::optional<double> largest_force, std::optional<double> largest_depth,
+                      bool slip) {
+            haptics::ReduceOptions needs{
+                .largest_force = largest_force, .largest_depth = largest_depth, .slip = slip};
+            if (reachable) needs.reachable = *reachable;
+            const Unlocked unlocked;
+            return haptics::ErrorForecast(model, needs);
+          }),
+          arg("model"), kw_only(), arg("reachable") = py::none(), arg("largest_force") = py::none(),
+          arg("largest_depth") = py::none(), arg("slip") = true,
+          R"(Tells how large the error of a model would be with other contacts, as `palpate plan` does.
+
+model: of the object, or of a similar one; it must state its errors.
+reachable: a truth value for each vertex of the surface; without it, the tool can be anywhere.
+largest_force [N], largest_depth [mm]: how hard the tool presses; without both, as far as most
+contacts were measured.
+slip: whether it also drags.
+Raises InvalidInput.)")
+      .def(
+          "with_contacts",
+          [](const haptics::ErrorForecast& forecast, const py::object& contacts) {
+            const Eigen::Matrix3Xd places = Points(contacts, "contacts").columns();
+            std::vector<Eigen::Vector3d> list;
+            for (const auto& place : places.colwise()) list.emplace_back(place);
+            const Unlocked unlocked;
+            return forecast.with(list);
+          },
+          arg("contacts"),
+          R"(with_contacts(contacts: ArrayLike) -> float
+
+[N] RMS error with contacts at these places (N, 3) [mm] on the surface.)")
+      .def_property_readonly("at_present", &haptics::ErrorForecast::at_present,
+                             "[N] RMS error with the contacts of the model.")
+      .def_property_readonly("of_contacts", &haptics::ErrorForecast::of_contacts,
+                             "[N] the part of it that more contacts do not reduce.")
+      .def_property_readonly("force", &haptics::ErrorForecast::force,
+                             "[N] RMS of the forces that the errors belong to.");
+}
+
 void add_scaling(py::module_& module) {
   module.def(
       "scale_model",
@@ -221,6 +266,7 @@ Raises InvalidInput or SolverError.)");
 void add_derived_models(py::module_& module) {
   add_merging_of_models(module);
   add_reduction(module);
+  add_forecast(module);
   add_scaling(module);
   add_transfer(module);
 }

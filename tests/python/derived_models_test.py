@@ -37,6 +37,17 @@ class DerivedModels(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "forces: is 'size'"):
             palpate.scale_model(self.model, 2, forces="size")
 
+    def test_more_contacts_are_forecast_to_have_a_smaller_error(self):
+        forecast = palpate.ErrorForecast(self.model, largest_depth=2)
+        contacts = self.model.contacts
+        own = forecast.with_contacts(contacts)
+        self.assertAlmostEqual(own, forecast.at_present, delta=0.05 * own)
+        more = forecast.with_contacts(np.vstack([contacts, (contacts[:-1] + contacts[1:]) / 2]))
+        self.assertLess(more, own)
+        self.assertGreater(more, forecast.of_contacts)
+        with self.assertRaisesRegex(palpate.InvalidInput, "reachable has 1 values"):
+            palpate.ErrorForecast(self.model, reachable=[True])
+
     def test_a_model_merged_with_itself_is_the_model_at_the_pose(self):
         merged = palpate.merge_models([self.model, self.model], poses=[POSE, POSE])
         self.assertEqual(merged.components, 1)

@@ -9,7 +9,6 @@
 #include <optional>
 #include <string>
 
-#include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/scene_requirement.h"
@@ -18,6 +17,7 @@
 #include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
+#include "shared/scene_needs.h"
 #include "shared/words.h"
 
 namespace palpate::apps {
@@ -27,25 +27,20 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct ReduceCall {
-  fs::path model, scene, output;
-  std::optional<std::string> object;
+  fs::path model, output;
+  SceneChoice scene;
   haptics::ReduceOptions options;
 };
 
 // The options with what the scene requires of the model.
 haptics::ReduceOptions required(const ReduceCall& call, const haptics::Model& model) {
-  if (call.scene.empty()) return call.options;
-  const haptics::SceneRequirement of =
-      haptics::read_scene_requirement(call.scene, call.model, call.object);
+  const auto& [scene, object] = call.scene;
+  if (scene.empty()) return call.options;
+  const haptics::SceneRequirement of = haptics::read_scene_requirement(scene, call.model, object);
   haptics::ReduceOptions options = of.options;
   options.strokes = call.options.strokes;
   options.seed = call.options.seed;
-  try {
-    if (of.region) options.reachable = reachable_vertices(model.surface, *of.region);
-  } catch (const InvalidInput& wrong) {
-    throw InvalidInput(
-        fmt::format("{}: object '{}': {}", call.scene.string(), of.object, wrong.what()));
-  }
+  options.reachable = reachable_vertices_of(scene, of, model.surface);
   return options;
 }
 
@@ -111,7 +106,7 @@ void tell_raised(const haptics::ReducedModel& reduced) {
 }
 
 void reduce(const Settings& settings, const ReduceCall& call) {
-  check_output_folder({call.model, call.scene}, call.output);
+  check_output_folder({call.model, call.scene.scene}, call.output);
   check_replaceable(call.output, haptics::model_entries());
   const haptics::Model model = haptics::read_model(call.model);
   haptics::ReduceOptions options = required(call, model);
@@ -139,14 +134,10 @@ void add_reduce(CLI::App& app, const Settings& settings) {
       app.add_subcommand("reduce", "Make a smaller model that holds only what a scene requires");
   command->add_option("MODEL", call->model, "Model folder")->required();
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
-  CLI::Option* scene = command->add_option(
-      "--scene", call->scene,
+  CLI::Option* scene = add_scene_options(
+      *command, call->scene,
       "Scene file (YAML or JSON) that says under 'require' what is needed of the model, and where "
       "the tool can be");
-  command
-      ->add_option("--object", call->object,
-                   "Name of the object of the scene (default: the one that has this model)")
-      ->needs(scene);
   for (CLI::Option* option : add_fields(*command, fields_of(call->options)))
     if (option->get_group() != kExpertOptions) option->excludes(scene);
   command->footer(

@@ -18,6 +18,7 @@
 #include "shared/call_checks.h"
 #include "shared/field_options.h"
 #include "shared/inputs.h"
+#include "shared/scene_needs.h"
 
 namespace palpate::apps {
 namespace {
@@ -30,6 +31,7 @@ struct PlanCall {
   geometry::ReadOptions read;
   probing::PlanOptions options;
   std::vector<double> sensor;
+  SceneChoice scene;
 };
 
 /// Each contact with the part of the surface that is nearest to it.
@@ -80,14 +82,17 @@ void plan(const Settings& settings, PlanCall call) {
         "palpate probe plan: give either SURFACE or --specimen, whose surface is to be probed");
   }
   check_pictures({call.picture});
-  check_outputs({call.surface, call.specimen}, {call.output, call.picture});
+  check_outputs({call.surface, call.specimen, call.scene.scene}, {call.output, call.picture});
   if (!call.sensor.empty()) call.options.sensor = Eigen::Vector3d(call.sensor.data());
   const geometry::TriangleMesh mesh =
       call.specimen.empty() ? geometry::read_mesh(call.surface, call.read)
                             : probing::parse_specimen(probing::read_specimen_text(call.specimen),
                                                       call.specimen.string())
                                   ->surface();
-  const probing::ContactPlan made = probing::plan_contacts(mesh, call.options);
+  std::vector<bool> needed;
+  if (const auto& [scene, object] = call.scene; !scene.empty())
+    needed = reachable_vertices_of(scene, haptics::read_scene_requirement(scene, {}, object), mesh);
+  const probing::ContactPlan made = probing::plan_contacts(mesh, call.options, needed);
   probing::write_plan(call.output, made);
   if (!call.picture.empty()) draw_plan(call.picture, mesh, made);
   report_plan(settings, call, made);
@@ -107,6 +112,9 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
   command
       ->add_option("--sensor", call->sensor, "Position of the sensor: x y z [mm] (default: 0 0 0)")
       ->expected(3);
+  add_scene_options(*command, call->scene,
+                    "Scene file (YAML or JSON): contacts are only where its 'require' says that a "
+                    "tool can be");
   command->add_option("--picture", call->picture, "Also draw the contacts and their parts (PNG)");
   command->footer("Example:\n  palpate probe plan surface.ply --spacing 14 -o plan.json");
   command->callback([call, &settings] { plan(settings, *call); });

@@ -62,6 +62,7 @@ void add_merge(CLI::App& app, const Settings& settings);
 void add_mesh(CLI::App& app, const Settings& settings);
 void add_path(CLI::App& app, const Settings& settings);
 void add_pattern(CLI::App& app, const Settings& settings);
+void add_plan(CLI::App& app, const Settings& settings);
 void add_play(CLI::App& app, const Settings& settings);
 void add_probe(CLI::App& app, const Settings& settings);
 void add_reduce(CLI::App& app, const Settings& settings);

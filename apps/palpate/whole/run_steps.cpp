@@ -64,7 +64,7 @@ const std::vector<ProjectStep>& table() {
        .main_figure = figure_of_mesh},
       {.name = "plan",
        .command = {"probe", "plan"},
-       .inputs = {"surface", "specimen"},
+       .inputs = {"surface", "specimen", "scene"},
        .outputs = {"output", "picture"},
        .result_entry = "output",
        .result = "plan.json",
@@ -105,6 +105,18 @@ const std::vector<ProjectStep>& table() {
              return fmt::format("{} contacts, RMS {}", f.at("contacts").dump(),
                                 newtons(f.at("rms").at("median").get<double>()));
            }},
+      {.name = "reduce",
+       .command = {"reduce"},
+       .inputs = {"model", "scene"},
+       .outputs = {"output"},
+       .result_entry = "output",
+       .result = "reduced",
+       .feeds = {{"model", {{"fit", "output"}}, {}}},
+       .main_figure =
+           [](const Json& f) {
+             return fmt::format("{:.0f} kB instead of {:.0f} kB", f.at("bytes").get<double>() / 1e3,
+                                f.at("bytes_before").get<double>() / 1e3);
+           }},
       {.name = "evaluate",
        .command = {"evaluate"},
        .inputs = {"model", "queries", "leave-one-out"},
@@ -118,7 +130,7 @@ const std::vector<ProjectStep>& table() {
        .outputs = {"record", "picture", "session"},
        .result_entry = "record",
        .result = "trace.csv",
-       .feeds = {{"model", {{"fit", "output"}}, {}}},
+       .feeds = {{"model", {{"reduce", "output"}, {"fit", "output"}}, {}}},
        .main_figure = figure_of_play},
       {.name = "export",
        .command = {"export"},
@@ -126,7 +138,10 @@ const std::vector<ProjectStep>& table() {
        .outputs = {"output"},
        .result_entry = "output",
        .formats = {"ply", "obj", "vtk", "glb", "json", "cbor", "html"},
-       .feeds = {{"input", {{"fit", "output"}, {"mesh", "output"}, {"decode", "output"}}, {}}},
+       .feeds =
+           {{"input",
+             {{"reduce", "output"}, {"fit", "output"}, {"mesh", "output"}, {"decode", "output"}},
+             {}}},
        .main_figure = [](const Json& f) { return f.at("file").get<std::string>(); }},
   };
   return steps;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "palpate/core/error.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/haptics/model_io.h"
+#include "reduce/asked_error.h"
 #include "reduce/contact_subset.h"
 #include "reduce/reduced_response.h"
 #include "reduce/reduced_uncertainty.h"
@@ -30,9 +30,8 @@ constexpr double kChoosing = 0.2;
 constexpr std::uint64_t kOtherStrokes = 1U << 31;
 // Shares of the allowed mean square that fewer contacts, and then a coarser surface, may use.
 constexpr double kContactsShare = 0.6, kSurfaceShare = 0.2;
-// How much the stated error may grow, and without one the error relative to the force, where
-// nothing less is possible or nothing is asked for.
-constexpr double kGrowth = 1.1, kShareOfForce = 0.01;
+// Of a model that states no error, relative to the force, if nothing is asked for.
+constexpr double kShareOfForce = 0.01;
 // Of the surface, relative to its diagonal: a pixel of a picture of 1000 pixels.
 constexpr double kSurfaceShown = 1e-3;
 // Tolerances of decimation that are tried, each half of the one before.
@@ -65,15 +64,6 @@ struct PlayedStrokes {
     return geometry::error_statistics(force_differences(ends, play_strokes(reduced, strokes)));
   }
 };
-
-StrokeSettings stroke_settings(const ReduceOptions& options) {
-  return {.count = options.strokes,
-          .seed = static_cast<std::uint64_t>(options.seed) << 32,
-          .reachable = options.reachable,
-          .largest_force = options.largest_force,
-          .largest_depth = options.largest_depth,
-          .drags = options.slip};
-}
 
 PlayedStrokes played(const Model& model, const StrokeSettings& settings) {
   PlayedStrokes result{.strokes = random_strokes(model, settings), .ends = {}};
@@ -196,14 +186,6 @@ ReducedModel reduced_within(Source& source, const Allowed& allowed) {
   return result;
 }
 
-// [N] The error of the reduced model that is asked for, if any.
-std::optional<double> asked_error(const ReduceOptions& options, double force) {
-  if (!options.max_error && !options.max_relative_error) return std::nullopt;
-  constexpr double kAny = std::numeric_limits<double>::infinity();
-  return std::min(options.max_error.value_or(kAny),
-                  options.max_relative_error.value_or(kAny) * force);
-}
-
 // \param own [N] error that the full model states, \param least [N] that the reduced one may have.
 Allowed allowed_errors(const Source& source, double own, double least,
                        const std::optional<double>& asked) {
@@ -324,13 +306,7 @@ void visit(ReduceOptions& options, FieldVisitor& visitor) {
 ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
   const ReduceOptions options = in_range(given);
   check_model(model);
-  const auto vertices = static_cast<std::size_t>(model.surface.vertices.cols());
-  if (!options.reachable.empty() && options.reachable.size() != vertices) {
-    throw InvalidInput(fmt::format(
-        "reduce_model(): reachable has {} values; the surface of the model has {} vertices",
-        options.reachable.size(), vertices));
-  }
-  const StrokeSettings settings = stroke_settings(options);
+  const StrokeSettings settings = stroke_settings(model, options);
   StrokeSettings choosing = settings;
   choosing.count = static_cast<int>(kChoosing * options.strokes);
   choosing.seed += kOtherStrokes;
@@ -351,7 +327,7 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
   const PlayedStrokes measuring = played(model, settings);
   const std::optional<double> stated = stated_error(model, measuring.ends);
   const double own = stated.value_or(0), force = rms_force(source.choosing.ends);
-  const double least = own > 0 ? kGrowth * own : kShareOfForce * force;
+  const double least = own > 0 ? kReductionRoom * own : kShareOfForce * force;
   const std::optional<double> asked = asked_error(options, force);
   const Allowed allowed = allowed_errors(source, own, least, asked);
   double factor = 1;

@@ -28,8 +28,10 @@ using Eigen::Vector3d;
 // About what people just notice, relative to the force: see docs/reduce.md.
 constexpr double kNoticed = 0.07;
 
-const std::vector<std::string> kRequire{"force_error",   "surface_error", "size",   "largest_force",
-                                        "largest_depth", "slip",          "shapes", "region"};
+const std::vector<std::string> kRequire{"force_error",   "surface_error", "size",
+                                        "largest_force", "largest_depth", "slip",
+                                        "shapes",        "region",        "arm_time"};
+const std::vector<std::string> kBudget{"arm_time"};
 const std::vector<std::string> kRegion{"box", "side", "path", "margin"};
 
 struct Unit {
@@ -39,6 +41,7 @@ struct Unit {
 constexpr std::array<Unit, 4> kLengths{{{"mm", 1}, {"um", 1e-3}, {"cm", 10}, {"m", 1e3}}};
 constexpr std::array<Unit, 3> kForces{{{"N", 1}, {"mN", 1e-3}, {"kN", 1e3}}};
 constexpr std::array<Unit, 4> kSizes{{{"kB", 1e3}, {"B", 1}, {"MB", 1e6}, {"GB", 1e9}}};
+constexpr std::array<Unit, 3> kTimes{{{"h", 3600}, {"min", 60}, {"s", 1}}};
 constexpr std::array<Unit, 1> kShares{{{"%", 1e-2}}};
 
 // "0.2 N" in the first of the units; nothing if it is not that.
@@ -111,14 +114,15 @@ SceneRegion region_of(const DocumentNode& node, const fs::path& folder) {
   return region;
 }
 
-SceneRequirement requirement_of(const DocumentNode& object, const fs::path& folder) {
-  SceneRequirement result{.object = object.at("name").text(), .options = {}, .region = {}};
+std::optional<SceneRequirement> requirement_of(const DocumentNode& object, const fs::path& folder) {
+  object.expect_only(kObjectMembers);
+  SceneRequirement result{.object = object.at("name").text(),
+                          .model = folder / object.at("model").text(),
+                          .options = {},
+                          .region = {},
+                          .arm_time = {}};
   const auto require = object.find("require");
-  if (!require) {
-    throw InvalidInput(fmt::format(
-        "object '{}' has no 'require'; add one, for example require: {{force_error: 0.2 N}}",
-        result.object));
-  }
+  if (!require) return std::nullopt;
   require->expect_only(kRequire);
   ReduceOptions& options = result.options;
   if (const auto error = require->find("force_error")) read_force_error(*error, options);
@@ -129,22 +133,37 @@ SceneRequirement requirement_of(const DocumentNode& object, const fs::path& fold
   read("size", kSizes, options.max_size);
   read("largest_force", kForces, options.largest_force);
   read("largest_depth", kLengths, options.largest_depth);
+  read("arm_time", kTimes, result.arm_time);
   if (const auto slip = require->find("slip")) options.slip = slip->truth();
   if (const auto shapes = require->find("shapes")) options.keep_shapes = shapes->truth();
   if (const auto region = require->find("region")) result.region = region_of(*region, folder);
   return result;
 }
 
-std::vector<DocumentNode> objects_with(const DocumentNode& root, const fs::path& folder,
-                                       const fs::path& model,
-                                       const std::optional<std::string>& name) {
-  std::vector<DocumentNode> found = root.at("objects").items();
-  std::erase_if(found, [&](const DocumentNode& object) {
-    if (name) return object.at("name").text() != *name;
-    std::error_code ignored;
-    return !fs::equivalent(folder / object.at("model").text(), model, ignored);
-  });
-  return found;
+SceneRequirements requirements_of(const DocumentNode& root, const fs::path& folder) {
+  root.expect_only(kSceneMembers);
+  SceneRequirements result;
+  if (const auto budget = root.find("budget")) {
+    budget->expect_only(kBudget);
+    if (const auto time = budget->find("arm_time"))
+      result.arm_time = quantity_above_zero(*time, kTimes);
+  }
+  for (const DocumentNode& object : root.at("objects").items())
+    if (auto requirement = requirement_of(object, folder))
+      result.objects.push_back(std::move(*requirement));
+  if (result.objects.empty()) {
+    root.at("objects").refuse(
+        "an object with 'require', for example require: {force_error: 0.2 N}");
+  }
+  return result;
+}
+
+// Whether an object is meant by its name, or else by its model.
+bool is_meant(const SceneRequirement& requirement, const fs::path& model,
+              const std::optional<std::string>& name) {
+  if (name) return requirement.object == *name;
+  std::error_code ignored;
+  return model.empty() || fs::equivalent(requirement.model, model, ignored);
 }
 
 // Distance of successive places, relative to the margin, which is widened by it.
@@ -206,30 +225,34 @@ std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
   return result;
 }
 
-SceneRequirement read_scene_requirement(const fs::path& path, const fs::path& model,
-                                        const std::optional<std::string>& object) {
+SceneRequirements read_scene_requirements(const fs::path& path) {
   const DocumentPart document{read_document_file(path), ""};
-  const fs::path folder = path.parent_path();
   try {
-    const DocumentNode root(document);
-    root.expect_only(kSceneMembers);
-    for (const DocumentNode& each : root.at("objects").items()) each.expect_only(kObjectMembers);
-    const std::vector<DocumentNode> found = objects_with(root, folder, model, object);
-    if (found.size() == 1) return requirement_of(found.front(), folder);
-    std::string objects;
-    for (const DocumentNode& each : root.at("objects").items()) {
-      objects += fmt::format("{}{} ({})", objects.empty() ? "" : ", ", each.at("name").text(),
-                             each.at("model").text());
-    }
-    throw InvalidInput(fmt::format("{} the {} {}; its objects are: {}",
-                                   found.empty() ? "no object has" : "several objects have",
-                                   object ? "name" : "model", object ? *object : model.string(),
-                                   objects));
+    return requirements_of(DocumentNode(document), path.parent_path());
   } catch (const FileError&) {
     throw;
   } catch (const InvalidInput& wrong) {
     throw FileError(path.string() + ": " + wrong.what());
   }
+}
+
+SceneRequirement read_scene_requirement(const fs::path& path, const fs::path& model,
+                                        const std::optional<std::string>& object) {
+  std::vector<SceneRequirement> all = read_scene_requirements(path).objects;
+  std::string objects;
+  for (const SceneRequirement& each : all) {
+    objects += fmt::format("{}{} ({})", objects.empty() ? "" : ", ", each.object,
+                           each.model.lexically_relative(path.parent_path()).string());
+  }
+  const auto [rest, end] =
+      std::ranges::remove_if(all, [&](const auto& each) { return !is_meant(each, model, object); });
+  all.erase(rest, end);
+  if (all.size() == 1) return std::move(all.front());
+  std::string what = object ? "the name " + *object : "the model " + model.string();
+  if (!object && model.empty()) what = "a member 'require'";
+  throw FileError(fmt::format("{}: {} {}; objects with 'require' are: {}", path.string(),
+                              all.empty() ? "no object with 'require' has" : "several objects have",
+                              what, objects));
 }
 
 }  // namespace palpate::haptics

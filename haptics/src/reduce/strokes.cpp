@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reduce/strokes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -184,6 +186,21 @@ bool jumps(const Playback& playback, const Stroke& stroke, const std::vector<Str
 }
 
 }  // namespace
+
+StrokeSettings stroke_settings(const Model& model, const ReduceOptions& options) {
+  const auto vertices = static_cast<std::size_t>(model.surface.vertices.cols());
+  if (!options.reachable.empty() && options.reachable.size() != vertices) {
+    throw InvalidInput(
+        fmt::format("reachable has {} values; the surface of the model has {} vertices",
+                    options.reachable.size(), vertices));
+  }
+  return {.count = options.strokes,
+          .seed = static_cast<std::uint64_t>(options.seed) << 32,
+          .reachable = options.reachable,
+          .largest_force = options.largest_force,
+          .largest_depth = options.largest_depth,
+          .drags = options.slip};
+}
 
 std::vector<Stroke> random_strokes(const Model& model, const StrokeSettings& settings) {
   const ReachableArea area = reachable_area(model.surface, settings.reachable);

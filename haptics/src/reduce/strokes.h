@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "palpate/haptics/model.h"
+#include "palpate/haptics/reduce_model.h"
 
 namespace palpate::haptics {
 
@@ -36,6 +37,9 @@ struct StrokeSettings {
   std::optional<double> largest_depth = std::nullopt;  ///< [mm]
   bool drags = true;
 };
+
+/// \throws InvalidInput if `reachable` has not one value for each vertex of the model's surface.
+[[nodiscard]] StrokeSettings stroke_settings(const Model& model, const ReduceOptions& options);
 
 /// Random strokes over the places that can be reached, all areas alike. Depths are even up to the
 /// largest one or to that of the largest force, whichever is less; without either, as far as the

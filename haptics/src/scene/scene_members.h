@@ -7,10 +7,10 @@
 
 namespace palpate::haptics {
 
-/// What a scene file may have, and each of its objects. `require` is for those who make models
-/// (scene_requirement.h).
-inline const std::vector<std::string> kSceneMembers{"objects",       "tools",      "near_tools",
-                                                    "closest_tools", "fade_ticks", "rate"};
+/// What a scene file may have, and each of its objects. `require` and `budget` are for those
+/// who make models (scene_requirement.h).
+inline const std::vector<std::string> kSceneMembers{
+    "objects", "tools", "near_tools", "closest_tools", "fade_ticks", "rate", "budget"};
 inline const std::vector<std::string> kObjectMembers{"name", "model",    "pose",
                                                      "path", "playback", "require"};
 

@@ -32,7 +32,7 @@ using geometry::TriangleMesh;
 /// A ball touches another place iff it contains a point deeper than this part of its radius: above
 /// the noise of scans at usual radii.
 constexpr double kObstruction = 0.1;
-constexpr int kEligibilities = 5;
+constexpr int kEligibilities = 6;
 constexpr std::array<std::string_view, 2> kPatterns{"farthest_point", "grid"};
 constexpr int kAnyNumber = std::numeric_limits<int>::max();
 /// Most places that a plan looks at: an arm would take years for them.
@@ -233,6 +233,8 @@ const char* to_string(Eligibility eligibility) {
       return "oblique";
     case Eligibility::obstructed:
       return "obstructed";
+    case Eligibility::not_needed:
+      return "not_needed";
   }
   return "";
 }
@@ -314,12 +316,20 @@ void visit(PlanOptions& options, FieldVisitor& visitor) {
                options.max_force, kForces);
 }
 
-ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& given) {
+ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& given,
+                          const std::vector<bool>& needed) {
   check_options(given);
+  if (!needed.empty() && needed.size() != static_cast<std::size_t>(mesh.vertices.cols())) {
+    throw InvalidInput("plan_contacts: needed has " + std::to_string(needed.size()) +
+                       " values; the surface has " + std::to_string(mesh.vertices.cols()) +
+                       " vertices");
+  }
   PlanOptions options = given;
   options.highest_force = highest_force(given);
   Eigen::Matrix3Xd normals;
-  const std::vector<Eligibility> eligible = eligibility(mesh, options, normals);
+  std::vector<Eligibility> eligible = eligibility(mesh, options, normals);
+  for (std::size_t v = 0; v < needed.size(); ++v)
+    if (!needed[v] && eligible[v] == Eligibility::eligible) eligible[v] = Eligibility::not_needed;
   ContactPlan plan{.options = options};
   plan.excluded.resize(kEligibilities);
   std::vector<int> candidates;

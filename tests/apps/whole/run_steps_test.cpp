@@ -29,8 +29,9 @@ class RunSteps : public ::testing::Test {
 
 /// Options whose values are free text, but no files that are read or written.
 const std::set<std::string> kTexts = {
-    "arm", "bayer",     "coupling", "decimal",   "device",    "fov",   "force-unit", "length-unit",
-    "map", "separator", "set",      "stop-file", "time-unit", "title", "tool",       "unit"};
+    "arm",        "bayer",       "coupling", "decimal", "device",    "fov",
+    "force-unit", "length-unit", "map",      "object",  "separator", "set",
+    "stop-file",  "time-unit",   "title",    "tool",    "unit"};
 
 // A new option that takes a text fails here until the table, or the list above, says what it is:
 // a file that a command reads without `palpate run` knowing would leave results as they are when

@@ -45,6 +45,7 @@ TEST_F(SceneRequirementTest, ReadsQuantitiesWithTheirUnits) {
       largest_depth: 1 cm
       slip: false
       shapes: false
+      arm_time: 90 min
 )");
   EXPECT_EQ(of.object, "sheet");
   EXPECT_DOUBLE_EQ(*of.options.max_error, 0.2);
@@ -55,6 +56,7 @@ TEST_F(SceneRequirementTest, ReadsQuantitiesWithTheirUnits) {
   EXPECT_FALSE(of.options.slip);
   EXPECT_FALSE(of.options.keep_shapes);
   EXPECT_FALSE(of.region);
+  EXPECT_DOUBLE_EQ(*of.arm_time, 5400);
   EXPECT_DOUBLE_EQ(*read("      force_error: 5 %\n").options.max_relative_error, 0.05);
   EXPECT_DOUBLE_EQ(*read("      force_error: jnd\n").options.max_relative_error, 0.07);
 }
@@ -84,12 +86,34 @@ TEST_F(SceneRequirementTest, FindsTheObjectByItsModelOrItsName) {
       "      slip: true\n  - name: other\n    model: ../nowhere\n    require: {slip: false}\n";
   EXPECT_TRUE(read(two).options.slip);
   EXPECT_FALSE(read(two, "other").options.slip);
-  EXPECT_THAT(refused(two, "third"), AllOf(HasSubstr("no object has the name third"),
+  EXPECT_THAT(refused(two, "third"), AllOf(HasSubstr("no object with 'require' has the name third"),
                                            HasSubstr("sheet (model), other (../nowhere)")));
-  EXPECT_THAT(refused("      slip: true\n  - name: twin\n    model: model\n"),
+  const std::string twin = "      slip: true\n  - name: twin\n    model: model\n";
+  EXPECT_EQ(read(twin).object, "sheet");
+  EXPECT_THAT(refused(twin + "    require: {slip: true}\n"),
               HasSubstr("several objects have the model"));
   EXPECT_THAT(refused("      slip: true\n  - name: bare\n    model: nowhere\n", "bare"),
-              HasSubstr("object 'bare' has no 'require'"));
+              HasSubstr("no object with 'require' has the name bare"));
+}
+
+TEST_F(SceneRequirementTest, ReadsTheBudgetOfAllObjects) {
+  std::ofstream(scratch / "scene.yaml") << R"(
+budget: {arm_time: 2 h}
+objects:
+  - {name: bare, model: model}
+  - {name: sheet, model: model, require: {force_error: 0.2 N, arm_time: 30 s}}
+  - {name: other, model: nowhere, require: {slip: false}}
+)";
+  const SceneRequirements all = read_scene_requirements(scratch / "scene.yaml");
+  EXPECT_DOUBLE_EQ(*all.arm_time, 7200);
+  ASSERT_EQ(all.objects.size(), 2U);
+  EXPECT_DOUBLE_EQ(*all.objects[0].arm_time, 30);
+  EXPECT_EQ(all.objects[1].model, scratch / "nowhere");
+  EXPECT_THAT(refusal([&] { return read_scene_requirement(scratch / "scene.yaml", {}, {}); }),
+              HasSubstr("several objects have a member 'require'"));
+  std::ofstream(scratch / "scene.yaml") << "objects: [{name: bare, model: model}]\n";
+  EXPECT_THAT(refusal([&] { return read_scene_requirements(scratch / "scene.yaml"); }),
+              HasSubstr("an object with 'require'"));
 }
 
 TEST_F(SceneRequirementTest, FindsTheVerticesOfARegion) {

@@ -33,16 +33,29 @@ struct SceneRegion {
 
 /// What a scene requires of one of its objects.
 struct SceneRequirement {
-  std::string object;  ///< name
+  std::string object;           ///< name
+  std::filesystem::path model;  ///< folder, made relative to that of the scene file
   ReduceOptions options;
   std::optional<SceneRegion> region;
+  std::optional<double> arm_time;  ///< [s] for which an arm may probe it
 };
 
-/// Reads what a scene file (JSON or YAML, see `read_scene`) requires of an object: its member
-/// `require`, which docs/reduce.md describes.
-/// \param model folder of the model; it finds the object, unless `object` names it.
+/// What a scene requires of all its objects together, and of each that has a member `require`.
+struct SceneRequirements {
+  std::optional<double> arm_time;  ///< [s] for all of them
+  std::vector<SceneRequirement> objects;
+};
+
+/// Reads what a scene file (JSON or YAML, see `read_scene`) requires: its member `budget` and the
+/// members `require` of its objects, which docs/reduce.md describes.
 /// \throws FileError naming the file, the member, what is wrong with it and what would be right;
-/// also if no object, or more than one, has this model, and if the object has no requirement.
+/// also if no object has a requirement.
+[[nodiscard]] SceneRequirements read_scene_requirements(const std::filesystem::path& path);
+
+/// What a scene file requires of one of its objects.
+/// \param model folder of the model; it finds the object, unless `object` names it. Empty: the
+/// object must be named if several have a requirement.
+/// \throws FileError as `read_scene_requirements`; also if no object, or more than one, is meant.
 [[nodiscard]] SceneRequirement read_scene_requirement(const std::filesystem::path& path,
                                                       const std::filesystem::path& model,
                                                       const std::optional<std::string>& object);

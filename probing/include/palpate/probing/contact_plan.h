@@ -30,9 +30,10 @@ enum class Eligibility {
   no_surface,   ///< a vertex without triangles, or without a normal
   near_border,  ///< the tip could miss the object
   oblique,      ///< the sensor does not see it well, and an arm is likely to collide
-  obstructed    ///< the tip would touch another place first: a cavity tighter than it, or a wall
+  obstructed,   ///< the tip would touch another place first: a cavity tighter than it, or a wall
+  not_needed    ///< the model is not needed there
 };
-/// "eligible", "no_surface", "near_border", "oblique", "obstructed".
+/// "eligible", "no_surface", "near_border", "oblique", "obstructed", "not_needed".
 [[nodiscard]] const char* to_string(Eligibility eligibility);
 
 /// `visit` describes the fields. lowest_force <= highest_force <= max_force.
@@ -83,10 +84,12 @@ struct ContactPlan {
                                                    Eigen::Matrix3Xd& normals);
 
 /// Plans contacts at vertices of a surface.
-/// \throws InvalidInput if the mesh is not valid or an option is outside its range, or, with the
-/// number of vertices by reason, if no place is eligible.
+/// \param needed of each vertex: whether the model is needed there. Empty: everywhere.
+/// \throws InvalidInput if the mesh is not valid, `needed` has another size or an option is outside
+/// its range, or, with the number of vertices by reason, if no place is eligible.
 [[nodiscard]] ContactPlan plan_contacts(const geometry::TriangleMesh& mesh,
-                                        const PlanOptions& options = {});
+                                        const PlanOptions& options = {},
+                                        const std::vector<bool>& needed = {});
 
 /// Sixteen hexadecimal digits that identify the vertices and triangles of a mesh.
 [[nodiscard]] std::string surface_fingerprint(const geometry::TriangleMesh& mesh);

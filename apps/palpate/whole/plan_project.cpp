@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "whole/plan_project.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "probing/probe_campaign.h"
+#include "shared/field_options.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A text of YAML in double quotes, which JSON's are.
+std::string in_quotes(const fs::path& path) { return nlohmann::json(path.string()).dump(); }
+
+// Options of `probe plan` that differ from the usual ones, but for those that the plan chose.
+std::string changed_entries(probing::PlanOptions places) {
+  probing::PlanOptions usual;
+  places.spacing = usual.spacing;
+  places.contacts = usual.contacts;
+  const nlohmann::ordered_json now = option_values(fields_of(places)),
+                               before = option_values(fields_of(usual));
+  std::string lines;
+  for (const auto& [option, value] : now.items()) {
+    if (value != before.at(option))
+      lines += fmt::format("  {}: {}\n", option.substr(2), value.get<std::string>());
+  }
+  if (places.sensor != usual.sensor) {
+    lines += fmt::format("  sensor: [{}, {}, {}]\n", places.sensor.x(), places.sensor.y(),
+                         places.sensor.z());
+  }
+  return lines;
+}
+
+// Whether the scene asks for less than the whole model.
+bool is_reduced(const haptics::SceneRequirement& requirement) {
+  const haptics::ReduceOptions& needs = requirement.options;
+  return needs.max_size || needs.max_surface_error || requirement.region;
+}
+
+}  // namespace
+
+bool is_good_enough(const haptics::ObjectPlan& plan) {
+  return plan.limit == haptics::PlanLimit::none ||
+         (plan.raised == 1 && plan.planned.contacts <= plan.present.contacts);
+}
+
+std::string decided_by(const haptics::ObjectPlan& plan) {
+  switch (plan.limit) {
+    case haptics::PlanLimit::force_error:
+      return fmt::format("the allowed error of {}", newtons(plan.asked.value_or(0), 3));
+    case haptics::PlanLimit::arm_time:
+      return "the time of the arm for this object";
+    case haptics::PlanLimit::scene_time:
+      return "the time of the arm for all objects";
+    case haptics::PlanLimit::places:
+      return "the places at which the tip can probe";
+    case haptics::PlanLimit::none:
+      break;
+  }
+  return "nothing: neither force_error nor arm_time is required";
+}
+
+std::string project_of(const ProjectSource& source, const haptics::SceneRequirement& requirement,
+                       const haptics::ObjectPlan& plan) {
+  const fs::path folder = source.project.parent_path();
+  const auto from_here = [&](const fs::path& path) {
+    return in_quotes(fs::proximate(path, folder.empty() ? fs::path(".") : folder));
+  };
+  const std::string object = in_quotes(requirement.object), scene = from_here(source.scene),
+                    surface = from_here(source.surface);
+  std::string text = fmt::format(
+      "# How to measure {}, by palpate plan {}. Decided by {}.\n"
+      "# Do all steps with: palpate run {}\n"
+      "output: {}\n",
+      object, source.scene.filename().string(), decided_by(plan),
+      source.project.filename().string(), in_quotes(source.project.stem().string() + "-results"));
+  if (!is_good_enough(plan)) {
+    const bool is_simulated = !source.specimen.empty();
+    const std::string specimen = fmt::format("  specimen: {}\n", from_here(source.specimen));
+    text += "plan:\n" + (is_simulated ? specimen : fmt::format("  surface: {}\n", surface));
+    if (requirement.region) {
+      text += fmt::format("  scene: {}  # contacts only where the tool can be\n  object: {}\n",
+                          scene, object);
+    }
+    text += fmt::format(
+        "  contacts: {}  # expected error {}; with the present {} contacts {}\n"
+        "  spacing: {:.4g}  # smallest distance of these contacts [mm]\n{}"
+        "probe:  # about {:.2g} h of the arm\n",
+        plan.planned.contacts, newtons(plan.planned.error, 3), plan.present.contacts,
+        newtons(plan.present.error, 3), source.spacing, changed_entries(source.places),
+        plan.planned.arm_time / kSecondsPerHour);
+    text += is_simulated ? specimen
+                         : "  # Add your arm here: arm: DRIVER and arm-config: FILE "
+                           "(docs/probing.md).\n";
+    text += fmt::format("fit:\n  surface: {}\nevaluate: {{}}\n", surface);
+  }
+  if (is_reduced(requirement)) {
+    text += "reduce:  # the scene needs only a part of the model\n";
+    if (is_good_enough(plan)) text += fmt::format("  model: {}\n", from_here(requirement.model));
+    text += fmt::format("  scene: {}\n  object: {}\n", scene, object);
+  }
+  return text;
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "palpate/haptics/plan_scene.h"
+#include "palpate/haptics/scene_requirement.h"
+#include "palpate/probing/contact_plan.h"
+
+namespace palpate::apps {
+
+/// What a project is made of.
+struct ProjectSource {
+  std::filesystem::path project, scene;  ///< the file to write, and that with the requirements
+  std::filesystem::path surface;         ///< of the object
+  std::filesystem::path specimen;        ///< a simulated object; empty: a real one
+  probing::PlanOptions places;  ///< how places were chosen; their numbers are those of the plan
+  double spacing = 0;           ///< [mm] smallest distance of the contacts that are planned
+};
+
+/// A project file (docs/projects.md) with the settings that a plan chose, and a comment at each
+/// that says why. Paths are made relative to its folder.
+[[nodiscard]] std::string project_of(const ProjectSource& source,
+                                     const haptics::SceneRequirement& requirement,
+                                     const haptics::ObjectPlan& plan);
+
+/// Whether the model already meets the requirements.
+[[nodiscard]] bool is_good_enough(const haptics::ObjectPlan& plan);
+
+/// "the allowed error of 0.1 N": what decides a plan.
+[[nodiscard]] std::string decided_by(const haptics::ObjectPlan& plan);
+
+}  // namespace palpate::apps

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "palpate/haptics/reduce_model.h"
+
+namespace palpate::haptics {
+
+/// An object of a scene of which a model exists.
+struct ObjectNeeds {
+  const Model* model = nullptr;  ///< of this object, or of a similar one
+  ReduceOptions options;         ///< what is needed of its model
+  /// [mm] Places for contacts on the model's surface, in an order of which each beginning covers
+  /// the surface evenly, such as that of `probing::plan_contacts`. At least three.
+  std::vector<Eigen::Vector3d> places;
+  double contact_time = 0;                        ///< [s] of the arm for each contact; > 0
+  std::optional<double> arm_time = std::nullopt;  ///< [s] for this object; > 0
+};
+
+/// What a number of contacts gives, and what it costs.
+struct PlannedContacts {
+  int contacts = 0;
+  double error = 0;     ///< [N] as `ErrorForecast` tells
+  double arm_time = 0;  ///< [s]
+  double size = 0;      ///< [bytes] of the model folder, before it is reduced
+};
+
+/// What decides the number of contacts.
+enum class PlanLimit {
+  none,         ///< nothing is required: as many contacts as the model has
+  force_error,  ///< the allowed error
+  arm_time,     ///< the time of the arm for this object
+  scene_time,   ///< the time of the arm for all objects
+  places        ///< there are no more places
+};
+/// "none", "force_error", "arm_time", "scene_time", "places".
+[[nodiscard]] const char* to_string(PlanLimit limit);
+
+/// How an object should be measured.
+struct ObjectPlan {
+  PlannedContacts present;           ///< as the model is
+  PlannedContacts planned;           ///< the fewest contacts that meet the requirements
+  PlannedContacts with_more;         ///< with an hour of the arm more than planned
+  std::optional<double> asked = {};  ///< [N] the allowed error
+  double raised = 1;                 ///< how many times larger the error is than allowed; >= 1
+  PlanLimit limit = PlanLimit::none;
+  double of_contacts = 0;              ///< [N] the error that no further contact removes
+  std::vector<PlannedContacts> curve;  ///< of other numbers of contacts, ascending
+};
+
+/// Finds how many contacts each object of a scene needs. If the arm has not enough time for all
+/// objects, the errors of those that need more than they may are raised by a common factor.
+///
+/// A model whose size is limited will be reduced, which needs some of the allowed error: at most 1
+/// / 1.1 of it is planned for. An object without an allowed error takes its `arm_time`.
+/// \param arm_time [s] for all objects; > 0.
+/// \throws InvalidInput as `ErrorForecast`, if there are fewer than three places or too little time
+/// for three contacts of each object, or a time is not > 0.
+[[nodiscard]] std::vector<ObjectPlan> plan_scene(std::span<const ObjectNeeds> objects,
+                                                 std::optional<double> arm_time = std::nullopt);
+
+}  // namespace palpate::haptics
