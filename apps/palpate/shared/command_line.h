@@ -69,6 +69,7 @@ void add_reduce(CLI::App& app, const Settings& settings);
 void add_run(CLI::App& app, const Settings& settings);
 void add_simulate(CLI::App& app, const Settings& settings);
 void add_track(CLI::App& app, const Settings& settings);
+void add_trade(CLI::App& app, const Settings& settings);
 void add_transfer(CLI::App& app, const Settings& settings);
 
 // Each function adds one kind of calibration to `palpate calibrate`.

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "repository.h"
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+json trade_figures(std::vector<std::string> call) {
+  call.insert(call.begin(), "trade");
+  call.emplace_back("--json");
+  const CommandResult result = run_palpate(call);
+  EXPECT_EQ(result.status, kDone) << result.err;
+  return json::parse(result.out);
+}
+
+// Each point can be had again by its settings.
+TEST(Trade, OfAMeshFindsTheTrianglesForEachDistance) {
+  const ScratchFolder scratch;
+  const std::string mesh = repository("meshes/hand.ply");
+  const json trade = trade_figures({mesh, "-o", scratch / "trade"});
+  EXPECT_EQ(trade["unit"], "mm");
+  ASSERT_EQ(trade["points"].size(), 8U);
+  double error = 0, bytes = 1e12;
+  for (const json& point : trade["points"]) {
+    EXPECT_GT(point["error"], error);
+    EXPECT_LT(point["bytes"], bytes);
+    EXPECT_TRUE(point["best_by_size"]);
+    error = point["error"];
+    bytes = point["bytes"];
+  }
+  const std::string settings = trade["points"][4]["settings"];
+  const json again = json::parse(
+      run_palpate({"mesh", mesh, "--tolerance", settings.substr(settings.rfind(' ') + 1), "-o",
+                   scratch / "again.ply", "--json"})
+          .out);
+  EXPECT_EQ(again["decimation"]["distance"], trade["points"][4]["error"]);
+  EXPECT_EQ(fs::file_size(scratch / "again.ply"), trade["points"][4]["bytes"]);
+  const std::string csv = read_text(scratch / "trade/trade.csv");
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 9);
+  EXPECT_THAT(read_text(scratch / "trade/trade.html"),
+              AllOf(HasSubstr(settings), HasSubstr("error-size.svg")));
+  EXPECT_FALSE(fs::exists(scratch / "trade/work"));
+}
+
+TEST(Trade, RefusesWhatDoesNotBelongTogether) {
+  const ScratchFolder scratch;
+  const std::string mesh = repository("meshes/hand.ply");
+  const auto refused = [&](std::vector<std::string> call) {
+    call.insert(call.begin(), "trade");
+    call.insert(call.end(), {"-o", scratch / "trade"});
+    const CommandResult result = run_palpate(call);
+    EXPECT_EQ(result.status, kWrongCall);
+    EXPECT_FALSE(fs::exists(scratch / "trade"));
+    return result.err;
+  };
+  EXPECT_THAT(refused({mesh, "--surface", mesh}), HasSubstr("--surface: is only for"));
+  EXPECT_THAT(refused({mesh, "--queries", demo("sheet/queries.csv")}),
+              HasSubstr("--queries, --trajectory: are only for"));
+  EXPECT_THAT(refused({scratch / "nothing.ply"}), HasSubstr("nothing.ply"));
+  write_text(scratch / "broken.db", "no database");
+  EXPECT_THAT(refused({scratch / "broken.db"}), HasSubstr("broken.db"));
+}
+
+}  // namespace
+}  // namespace palpate::apps
