@@ -17,8 +17,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kStrokes = 2000;
-
 // [mm^2] As `force_variance` computes it, but along the surface itself.
 double reach_of(const Vector3d& place, const Vector3d& normal,
                 const geometry::ContactWeights& weights, std::span<const Vector3d> contacts) {
@@ -38,7 +36,7 @@ ErrorForecast::ErrorForecast(const Model& model, const ReduceOptions& needs)
     : surface_(model.surface), query_(surface_), triangulation_(model.triangulation) {
   check_model(model);
   StrokeSettings settings = stroke_settings(model, in_range(needs));
-  settings.count = kStrokes;
+  settings.count = static_cast<int>(kChoosing * needs.strokes);
   const std::vector<StrokeEnd> ends = play_strokes(model, random_strokes(model, settings));
   if (!stated_error(model, ends)) {
     throw InvalidInput(

@@ -24,8 +24,6 @@
 namespace palpate::haptics {
 namespace {
 
-// Strokes that choose, for each that measures.
-constexpr double kChoosing = 0.2;
 // Their seeds begin that far from those of the others: beyond the largest number of strokes.
 constexpr std::uint64_t kOtherStrokes = 1U << 31;
 // Shares of the allowed mean square that fewer contacts, and then a coarser surface, may use.

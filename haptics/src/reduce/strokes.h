@@ -13,6 +13,9 @@
 
 namespace palpate::haptics {
 
+/// Strokes that choose, for each of `ReduceOptions::strokes`, which measure.
+inline constexpr double kChoosing = 0.2;
+
 /// What a tool does with an object: it comes from outside, presses into it and drags along it.
 struct Stroke {
   Eigen::Vector3d start = Eigen::Vector3d::Zero();    ///< [mm] outside

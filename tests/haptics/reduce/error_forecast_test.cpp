@@ -28,7 +28,7 @@ Model ball_with(const ContactUncertainty& uncertainty) {
   return model;
 }
 
-const ReduceOptions kPresses{.largest_depth = 4};
+const ReduceOptions kPresses{.largest_depth = 4, .strokes = 2000};
 
 std::vector<Vector3d> contacts_of(const Model& model) {
   std::vector<Vector3d> places;

@@ -47,6 +47,7 @@ class PlanScene : public ::testing::Test {
                        .contact_time = kMinutes,
                        .arm_time = arm_time};
     result.options.largest_depth = 4;
+    result.options.strokes = kStrokes;
     return result;
   }
   [[nodiscard]] ObjectPlan plan(const ReduceOptions& options,
@@ -55,12 +56,13 @@ class PlanScene : public ::testing::Test {
   }
 
   static constexpr double kMinutes = 240;
+  static constexpr int kStrokes = 1000;
   Model model = planned_ball();
   std::vector<Vector3d> places;
 };
 
 TEST_F(PlanScene, TakesTheFewestContactsWithTheAllowedError) {
-  const ErrorForecast forecast(model, {.largest_depth = 4});
+  const ErrorForecast forecast(model, {.largest_depth = 4, .strokes = kStrokes});
   const double asked = 0.6 * forecast.at_present();
   const ObjectPlan plan = this->plan({.max_error = asked});
   EXPECT_EQ(plan.limit, PlanLimit::force_error);
@@ -75,7 +77,8 @@ TEST_F(PlanScene, TakesTheFewestContactsWithTheAllowedError) {
 }
 
 TEST_F(PlanScene, LeavesRoomForAReductionIfTheSizeIsLimited) {
-  const double asked = 0.6 * ErrorForecast(model, {.largest_depth = 4}).at_present();
+  const double asked =
+      0.6 * ErrorForecast(model, {.largest_depth = 4, .strokes = kStrokes}).at_present();
   EXPECT_LE(plan({.max_error = asked, .max_size = 1e5}).planned.error, asked / 1.1);
 }
 
@@ -103,7 +106,8 @@ TEST_F(PlanScene, KeepsTheContactsIfNothingIsRequired) {
 }
 
 TEST_F(PlanScene, SharesTheTimeOfTheArmByRaisingAllErrorsAlike) {
-  const double asked = 0.6 * ErrorForecast(model, {.largest_depth = 4}).at_present();
+  const double asked =
+      0.6 * ErrorForecast(model, {.largest_depth = 4, .strokes = kStrokes}).at_present();
   const std::vector<ObjectNeeds> objects{needs({.max_error = asked}),
                                          needs({.max_error = 1.5 * asked})};
   const std::vector<ObjectPlan> free = plan_scene(objects);
