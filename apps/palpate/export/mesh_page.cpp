@@ -183,23 +183,7 @@ Json facts_of(const MeshSurvey& survey, const std::vector<fs::path>& meshes) {
   return facts;
 }
 
-bool may_be_mesh(const fs::path& path) {
-  constexpr std::array kEndings{".ply", ".obj", ".off", ".stl", ".gltf", ".glb",
-                                ".3ds", ".dae", ".fbx", ".x3d", ".3mf"};
-  return std::ranges::find(kEndings, lower_extension(path)) != kEndings.end();
-}
-
 }  // namespace
-
-std::vector<fs::path> list_meshes(const fs::path& folder) {
-  std::vector<fs::path> meshes;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!is_hidden(entry.path()) && may_be_mesh(entry.path()) && entry.is_regular_file())
-      meshes.push_back(entry.path());
-  }
-  std::ranges::sort(meshes, comes_before);
-  return meshes;
-}
 
 std::string write_mesh_page(const fs::path& output, const std::vector<fs::path>& meshes,
                             const geometry::ReadOptions& options, const std::string& title) {

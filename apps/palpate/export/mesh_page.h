@@ -10,9 +10,6 @@
 
 namespace palpate::apps {
 
-/// The meshes of a folder by name, without those in folders of it: files with the usual endings.
-[[nodiscard]] std::vector<std::filesystem::path> list_meshes(const std::filesystem::path& folder);
-
 /// Writes a page that shows a mesh, or meshes of the same triangles one after the other, as `track`
 /// writes them; with the numbers and colours of their vertices.
 /// \returns what was written, in words: frames, size, and what rounding has lost.

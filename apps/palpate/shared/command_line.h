@@ -60,6 +60,7 @@ void add_info(CLI::App& app, const Settings& settings);
 void add_fuse(CLI::App& app, const Settings& settings);
 void add_merge(CLI::App& app, const Settings& settings);
 void add_mesh(CLI::App& app, const Settings& settings);
+void add_motion(CLI::App& app, const Settings& settings);
 void add_path(CLI::App& app, const Settings& settings);
 void add_pattern(CLI::App& app, const Settings& settings);
 void add_plan(CLI::App& app, const Settings& settings);

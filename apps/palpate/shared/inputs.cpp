@@ -136,6 +136,12 @@ geometry::RangeMap read_range_map(const fs::path& path, const MapCamera& camera)
   return map;
 }
 
+bool may_be_mesh(const fs::path& path) {
+  constexpr std::array kEndings{".ply", ".obj", ".off", ".stl", ".gltf", ".glb",
+                                ".3ds", ".dae", ".fbx", ".x3d", ".3mf"};
+  return std::ranges::find(kEndings, lower_extension(path)) != kEndings.end();
+}
+
 }  // namespace
 
 std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
@@ -149,6 +155,16 @@ std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
     frames.insert(frames.end(), in_folder.begin(), in_folder.end());
   }
   return frames;
+}
+
+std::vector<fs::path> list_meshes(const fs::path& folder) {
+  std::vector<fs::path> meshes;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!is_hidden(entry.path()) && may_be_mesh(entry.path()) && entry.is_regular_file())
+      meshes.push_back(entry.path());
+  }
+  std::ranges::sort(meshes, comes_before);
+  return meshes;
 }
 
 std::vector<fs::path> list_range_maps(const std::vector<fs::path>& paths) {

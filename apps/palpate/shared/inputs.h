@@ -90,6 +90,9 @@ void check_output_folder(const std::vector<std::filesystem::path>& inputs,
                                                              const std::string& mark,
                                                              const std::regex& own);
 
+/// The meshes of a folder by name, without those in folders of it: files with the usual endings.
+[[nodiscard]] std::vector<std::filesystem::path> list_meshes(const std::filesystem::path& folder);
+
 /// Lists range maps or depth images: a folder in `paths` is replaced by those in it by name,
 /// without the other files that `decode` writes.
 /// \throws FileError if a folder has none, or a PNG has other pixels than those of a depth image.

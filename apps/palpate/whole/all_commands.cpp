@@ -42,7 +42,7 @@ void add_commands(CLI::App& app, const Settings& settings) {
   add_group(app, settings, "From camera frames to range maps",
             {add_pattern, add_calibrate, add_capture, add_simulate, add_decode});
   add_group(app, settings, "Meshes, point clouds and sequences",
-            {add_mesh, add_cloud, add_path, add_fuse, add_track, add_compare});
+            {add_mesh, add_cloud, add_path, add_fuse, add_track, add_motion, add_compare});
   add_group(app, settings, "From measurements to models",
             {add_probe, add_bake, add_fit, add_merge, add_reduce, add_transfer, add_identify,
              add_evaluate});

@@ -1,0 +1,294 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/surface_strain.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSeries = "motion.vtk.series";
+// The largest and the smallest stretch of a frame are those of this share of the vertices: single
+// ones at the border are often wrong.
+constexpr double kMostVertices = 0.99;
+
+struct MotionCall {
+  fs::path input, reference, output;
+  std::string format = "ply";
+  std::optional<double> rate;  // [Hz] frames
+  double radius = 0;           // [mm]
+};
+
+/// A mesh of the sequence.
+struct MotionFrame {
+  fs::path file;
+  double time = 0;  // [frames] since the first one
+};
+
+struct FrameFigures {
+  std::string file = {};
+  double time = 0;                                // [s], or frames without a rate
+  double displacement = 0, displacement_max = 0;  // [mm] RMS, largest
+  double stretch_max = 0, stretch_min = 0;        // 99 % and 1 % of the vertices are between
+  double area = 0;                                // of the surface, relative to the reference
+};
+
+// The number at the end of a name, such as that of 000012.ply.
+std::optional<long> frame_number(const fs::path& file) {
+  const std::string name = file.stem().string();
+  const auto first = std::find_if(name.rbegin(), name.rend(), [](unsigned char c) {
+                       return std::isdigit(c) == 0;
+                     }).base();
+  constexpr std::ptrdiff_t kMostDigits = 9;
+  if (first == name.end() || name.end() - first > kMostDigits) return std::nullopt;
+  return std::stol(std::string(first, name.end()));
+}
+
+/// The meshes of a folder in the order of their names. Their times are their numbers, so that lost
+/// frames leave gaps, or their places if not all names have ascending numbers.
+std::vector<MotionFrame> frames_of(const fs::path& folder) {
+  std::vector<MotionFrame> frames;
+  bool numbered = true;
+  for (const fs::path& file : list_meshes(folder)) {
+    const std::optional<long> number = frame_number(file);
+    numbered =
+        numbered && number && (frames.empty() || static_cast<double>(*number) > frames.back().time);
+    frames.push_back({file, static_cast<double>(number.value_or(0))});
+  }
+  if (frames.empty()) {
+    throw FileError(folder.string() + ": has no meshes; give a folder as palpate track writes it");
+  }
+  const double first = frames.front().time;
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].time = numbered ? frames[i].time - first : static_cast<double>(i);
+  return frames;
+}
+
+// Of the values that are known.
+double quantile(const Eigen::VectorXd& values, double share) {
+  std::vector<double> known;
+  for (const double value : values)
+    if (std::isfinite(value)) known.push_back(value);
+  if (known.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto at = known.begin() + std::lround(share * static_cast<double>(known.size() - 1));
+  std::ranges::nth_element(known, at);
+  return *at;
+}
+
+geometry::MeshFile read_frame(const fs::path& file, const geometry::TriangleMesh& reference) {
+  geometry::MeshFile frame = geometry::read_mesh_file(file);
+  if (frame.mesh.triangles != reference.triangles ||
+      frame.mesh.vertices.cols() != reference.vertices.cols()) {
+    throw FileError(file.string() +
+                    ": has other triangles than the reference; all meshes must have the same "
+                    "triangles and the same order of vertices, as palpate track writes them");
+  }
+  return frame;
+}
+
+void add(geometry::Attributes& attributes, const std::string& name, const auto& values) {
+  std::vector<float> numbers;
+  for (const double value : values) numbers.push_back(static_cast<float>(value));
+  geometry::set_attribute(attributes,
+                          {.name = name, .values = std::move(numbers), .list_sizes = {}});
+}
+
+void add_vector(geometry::Attributes& attributes, const std::string& name,
+                const Eigen::Matrix3Xd& values) {
+  constexpr std::array<const char*, 3> kAxes{"_x", "_y", "_z"};
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    add(attributes, name + kAxes[static_cast<std::size_t>(axis)],
+        Eigen::VectorXd(values.row(axis).transpose()));
+}
+
+std::string mesh_name(const MotionCall& call, const MotionFrame& frame) {
+  return frame.file.stem().string() + "." + call.format;
+}
+
+/// A frame, and those beside it for velocities.
+struct Positions {
+  const Eigen::Matrix3Xd* before = nullptr;
+  const Eigen::Matrix3Xd* after = nullptr;
+  double seconds = 0;  // from one to the other
+};
+
+// Adds what a study of motion needs to the attributes of a mesh.
+FrameFigures describe(const MotionCall& call, const geometry::TriangleMesh& reference,
+                      const Positions& beside, geometry::MeshFile& frame) {
+  const Eigen::Matrix3Xd displacement = frame.mesh.vertices - reference.vertices;
+  const geometry::SurfaceStrain strain =
+      geometry::surface_strain(reference, frame.mesh.vertices, call.radius);
+  geometry::Attributes& attributes = frame.vertex_attributes;
+  const Eigen::VectorXd distances = displacement.colwise().norm();
+  add(attributes, "displacement", distances);
+  add_vector(attributes, "displacement", displacement);
+  if (beside.seconds > 0) {
+    const Eigen::Matrix3Xd velocity = (*beside.after - *beside.before) / beside.seconds;
+    add(attributes, "speed", Eigen::VectorXd(velocity.colwise().norm()));
+    add_vector(attributes, "velocity", velocity);
+  }
+  add(attributes, "stretch_largest", strain.largest);
+  add(attributes, "stretch_smallest", strain.smallest);
+  add_vector(attributes, "stretch", strain.direction);
+  add(attributes, "area_ratio", strain.area);
+  return {
+      .displacement = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size())),
+      .displacement_max = distances.maxCoeff(),
+      .stretch_max = quantile(strain.largest, kMostVertices),
+      .stretch_min = quantile(strain.smallest, 1 - kMostVertices),
+      .area = geometry::surface_area(frame.mesh) / geometry::surface_area(reference)};
+}
+
+Json to_json(const FrameFigures& figures) {
+  return {{"file", figures.file},
+          {"time", figures.time},
+          {"displacement", figures.displacement},
+          {"displacement_max", figures.displacement_max},
+          {"stretch_max", figures.stretch_max},
+          {"stretch_min", figures.stretch_min},
+          {"area_ratio", figures.area}};
+}
+
+// ParaView opens this file as one sequence.
+std::string series_of(const std::vector<FrameFigures>& frames) {
+  Json files = Json::array();
+  for (const FrameFigures& frame : frames)
+    files.push_back({{"name", fs::path(frame.file).filename().string()}, {"time", frame.time}});
+  return Json{{"file-series-version", "1.0"}, {"files", files}}.dump(2) + "\n";
+}
+
+std::vector<FrameFigures> write_frames(const MotionCall& call,
+                                       const std::vector<MotionFrame>& frames,
+                                       const geometry::TriangleMesh& reference,
+                                       const fs::path& folder) {
+  std::vector<FrameFigures> figures;
+  Progress progress("measuring motion");
+  std::vector<geometry::MeshFile> near;  // the frame, with those beside it
+  std::size_t first = 0;                 // of `near`
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::size_t begin = i > 0 ? i - 1 : 0, end = std::min(i + 2, frames.size());
+    while (first + near.size() < end)
+      near.push_back(read_frame(frames[first + near.size()].file, reference));
+    if (first < begin) {
+      near.erase(near.begin());
+      ++first;
+    }
+    Positions beside;
+    if (call.rate) {
+      beside = {.before = &near.front().mesh.vertices,
+                .after = &near.back().mesh.vertices,
+                .seconds = (frames[end - 1].time - frames[begin].time) / *call.rate};
+    }
+    geometry::MeshFile frame = near[i - first];
+    figures.push_back(describe(call, reference, beside, frame));
+    figures.back().file = (call.output / mesh_name(call, frames[i])).string();
+    figures.back().time = frames[i].time / call.rate.value_or(1);
+    geometry::write_mesh_file(folder / mesh_name(call, frames[i]), frame);
+    progress.show(static_cast<int>(i + 1), static_cast<int>(frames.size()));
+  }
+  if (call.format == "vtk") {
+    write_file(folder / kSeries, [&](std::ostream& out) { out << series_of(figures); });
+  }
+  return figures;
+}
+
+std::string in_words(const MotionCall& call, const std::vector<FrameFigures>& frames) {
+  std::string words;
+  for (const FrameFigures& of : frames) {
+    words += fmt::format(
+        "{}: displacement {:.3g} mm (RMS), at most {:.3g} mm; stretches from {:.3f} to {:.3f}; "
+        "area "
+        "{:.3f}\n",
+        of.file, of.displacement, of.displacement_max, of.stretch_min, of.stretch_max, of.area);
+  }
+  return words + fmt::format("{} meshes written to {}; stretches are those of 99 % of the vertices",
+                             frames.size(), call.output.string());
+}
+
+void motion(const Settings& settings, const MotionCall& call) {
+  if (!is_folder(call.input)) {
+    throw InvalidInput(call.input.string() +
+                       ": is a file; give a folder of meshes, as palpate track writes it");
+  }
+  check_output_folder({call.input, call.reference}, call.output);
+  const std::vector<MotionFrame> frames = frames_of(call.input);
+  std::vector<fs::path> entries{kSeries};
+  for (const MotionFrame& frame : frames) entries.push_back(mesh_name(call, frame));
+  check_replaceable(call.output, entries);
+  const fs::path file = call.reference.empty() ? frames.front().file : call.reference;
+  const geometry::TriangleMesh reference = geometry::read_mesh(file);
+  std::vector<FrameFigures> figures;
+  write_folder(call.output, entries, [&](const fs::path& folder) {
+    figures = write_frames(call, frames, reference, folder);
+  });
+  Json per_frame = Json::array();
+  for (const FrameFigures& of : figures) per_frame.push_back(to_json(of));
+  print(settings,
+        {{"meshes", figures.size()}, {"reference", file.string()}, {"per_frame", per_frame}},
+        in_words(call, figures));
+}
+
+}  // namespace
+
+void add_motion(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<MotionCall>();
+  CLI::App* command = app.add_subcommand(
+      "motion", "Measure displacement, velocity and stretch of a tracked surface");
+  command
+      ->add_option("MESHES", call->input,
+                   "Folder of meshes with the same triangles, as palpate track writes it")
+      ->required();
+  command->add_option("-o,--output", call->output, "Folder for the meshes with their values")
+      ->required();
+  command->add_option("--reference", call->reference,
+                      "Mesh with which the others are compared (default: the first one)");
+  command
+      ->add_option("--rate", call->rate,
+                   "Frames per second, for velocities; frames are numbered by their names [Hz]")
+      ->check(within(above(0).finite()));
+  command
+      ->add_option("--radius", call->radius,
+                   "Stretches are averaged over this distance around each vertex; 0: over the "
+                   "vertices that share an edge [mm]")
+      ->check(within(at_least(0).finite()))
+      ->capture_default_str();
+  command->add_option("--format", call->format, "Format of the meshes: ply or vtk")
+      ->check(one_of({"ply", "vtk"}))
+      ->capture_default_str();
+  command->footer(
+      "Each mesh has these values at its vertices, with those that it had before: displacement "
+      "[mm] "
+      "and its components;\nspeed and velocity [mm/s] with --rate; stretch_largest and "
+      "stretch_smallest, the principal stretches (length divided\nby length in the reference); "
+      "stretch_x, _y, _z, the direction of the largest one; area_ratio.\n"
+      "With --format vtk, ParaView opens motion.vtk.series as one sequence.\n"
+      "Examples:\n  palpate motion meshes/ --rate 30 --radius 5 -o motion/\n"
+      "  palpate export motion/ --html -o motion.html");
+  command->callback([call, &settings] { motion(settings, *call); });
+}
+
+}  // namespace palpate::apps
