@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -107,11 +108,28 @@ TEST_F(Plan, WritesAProjectWhoseModelHasTheExpectedError) {
   EXPECT_LT(ratio, 1.4);
 }
 
-TEST_F(Plan, TellsThatTheModelIsGoodEnough) {
+TEST_F(Plan, TellsThatTheModelMeetsTheRequirement) {
   require("force_error: 0.3 N, " + middle);
-  EXPECT_THAT(plan({"-o", scratch / "project.yaml"}).out, HasSubstr("good enough as it is"));
+  EXPECT_THAT(plan({"-o", scratch / "project.yaml"}).out,
+              HasSubstr("meets the requirement already, if it is of this object"));
   EXPECT_THAT(read_text(scratch / "project.yaml"),
               AllOf(HasSubstr("reduce:"), HasSubstr("/model\""), Not(HasSubstr("probe:"))));
+}
+
+// Some of the 46 contacts of the model lie outside the region: fewer, placed in it, are better.
+TEST_F(Plan, JudgesTheModelByItsErrorNotByTheNumberOfContacts) {
+  require("force_error: 0.07 N, region: {box: [-42, -20, 0, 42, 20, 1000]}");
+  const json of = planned({"-o", scratch / "project.yaml"});
+  EXPECT_LT(of["planned"]["contacts"], 46);
+  EXPECT_GT(of["present"]["error"], of["allowed"]);
+  EXPECT_FALSE(of["met"]);
+  EXPECT_THAT(read_text(scratch / "project.yaml"), HasSubstr("probe:"));
+}
+
+TEST_F(Plan, WritesNoProjectIfThereIsNothingToDo) {
+  require("force_error: 0.5 N");
+  EXPECT_THAT(plan({"-o", scratch / "project.yaml"}).out, HasSubstr("There is nothing to do"));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "project.yaml"));
 }
 
 TEST_F(Plan, RaisesTheErrorAloudIfTheArmHasTooLittleTime) {
@@ -120,15 +138,37 @@ TEST_F(Plan, RaisesTheErrorAloudIfTheArmHasTooLittleTime) {
   EXPECT_EQ(of["limit"], "scene_time");
   EXPECT_LE(of["planned"]["arm_hours"], 4);
   EXPECT_GT(of["raised"], 1);
-  EXPECT_THAT(plan().err, HasSubstr("the allowed error of 0.100 N cannot be met"));
+  EXPECT_THAT(plan().err, HasSubstr("times the error that is planned for (0.100 N)"));
+}
+
+// What the other object needs counts, whichever the project is for.
+TEST_F(Plan, SharesTheTimeOfTheArmAlsoInAProject) {
+  const std::string object = "{name: NAME, model: \"" + (*measured / "model") +
+                             "\", require: {force_error: 0.09 N, " + middle + "}}\n";
+  const auto named = [&](const std::string& name) {
+    std::string text = object;
+    return "  - " + text.replace(text.find("NAME"), 4, name);
+  };
+  write_text(scratch / "scene.yaml",
+             "budget: {arm_time: 8 h}\nobjects:\n" + named("left") + named("right"));
+  const CommandResult both = plan({"--json"});
+  ASSERT_EQ(both.status, kDone) << both.err;
+  const json right = json::parse(both.out)["objects"][1];
+  EXPECT_LE(right["planned"]["arm_hours"], 4.01);
+  ASSERT_EQ(plan({"--object", "right", "-o", scratch / "project.yaml"}).status, kDone);
+  EXPECT_THAT(read_text(scratch / "project.yaml"),
+              HasSubstr("contacts: " + right["planned"]["contacts"].dump() + " "));
+  EXPECT_THAT(plan({"-o", scratch / "project.yaml"}).err,
+              HasSubstr("select it with --object: left, right"));
 }
 
 TEST_F(Plan, RefusesWhatCannotBePlanned) {
   require("force_error: 0.1 N");
   EXPECT_THAT(plan({"--object", "liver"}).err,
-              HasSubstr("--object: is liver; " + (scratch / "scene.yaml") + " has no such object"));
+              HasSubstr("--object: is liver; it must be one of: sheet"));
+  EXPECT_EQ(plan({"-o", *measured / "model/surface.ply"}).status, kWrongCall);
   require_of(scratch / "nowhere", "force_error: 0.1 N");
-  EXPECT_THAT(plan().err, HasSubstr("A plan follows from a first model"));
+  EXPECT_THAT(plan().err, HasSubstr("A plan needs a first model"));
   require("forces_error: 0.1 N");
   EXPECT_EQ(plan().status, kWrongCall);
 }

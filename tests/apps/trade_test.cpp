@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "repository.h"
@@ -55,6 +58,56 @@ TEST(Trade, OfAMeshFindsTheTrianglesForEachDistance) {
   EXPECT_THAT(read_text(scratch / "trade/trade.html"),
               AllOf(HasSubstr(settings), HasSubstr("error-size.svg")));
   EXPECT_FALSE(fs::exists(scratch / "trade/work"));
+}
+
+// Settings that change nothing are not shown twice; each point is what its command gives.
+TEST(Trade, OfMeasurementsComparesFitsAndReducedModels) {
+  const ScratchFolder scratch;
+  // The first twelve contacts.
+  const auto first = [&](const std::string& name, std::size_t column) {
+    std::istringstream all(read_text(demo("sheet/" + name)));
+    std::string line, kept;
+    std::getline(all, line);
+    for (kept = line + "\n"; std::getline(all, line);) {
+      std::istringstream cells(line);
+      std::string cell;
+      for (std::size_t i = 0; i <= column; ++i) std::getline(cells, cell, ',');
+      if (std::stoi(cell) < 12) kept += line + "\n";
+    }
+    write_text(scratch / name, kept);
+  };
+  first("contacts.csv", 0);
+  first("samples.csv", 1);
+  ASSERT_EQ(run_palpate({"probe", "import", scratch / "contacts.csv", scratch / "samples.csv", "-o",
+                         scratch / "few.db"})
+                .status,
+            kDone);
+  ASSERT_EQ(run_palpate({"mesh", demo("sheet/surface.ply"), "--remesh", "10", "-o",
+                         scratch / "surface.ply"})
+                .status,
+            kDone);
+  const json trade =
+      trade_figures({scratch / "few.db", "--surface", scratch / "surface.ply", "--trajectory",
+                     demo("trajectory.csv"), "-o", scratch / "trade"});
+  EXPECT_TRUE(trade["failures"].empty()) << trade["failures"];
+  std::set<std::pair<double, double>> points;
+  std::size_t reduced = 0;
+  for (const json& point : trade["points"]) {
+    const auto error = point["error"].get<double>(), bytes = point["bytes"].get<double>();
+    EXPECT_TRUE(points.emplace(error, bytes).second) << point;
+    EXPECT_GT(point["us_per_step"], 0);
+    if (point["settings"].get<std::string>().starts_with("reduce")) ++reduced;
+  }
+  EXPECT_GT(reduced, 0U);
+  EXPECT_EQ(trade["points"][0]["settings"], "fit");
+  ASSERT_EQ(
+      run_palpate({"fit", scratch / "few.db", scratch / "surface.ply", "-o", scratch / "model"})
+          .status,
+      kDone);
+  const json errors = json::parse(
+      run_palpate({"evaluate", scratch / "model", "--leave-one-out", scratch / "few.db", "--json"})
+          .out);
+  EXPECT_EQ(errors["leave_one_out"]["rms"], trade["points"][0]["error"]);
 }
 
 TEST(Trade, RefusesWhatDoesNotBelongTogether) {

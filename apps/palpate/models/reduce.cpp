@@ -135,7 +135,7 @@ void add_reduce(CLI::App& app, const Settings& settings) {
   command->add_option("MODEL", call->model, "Model folder")->required();
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   CLI::Option* scene = add_scene_options(
-      *command, call->scene,
+      *command, call->scene, "the one that has this model",
       "Scene file (YAML or JSON) that says under 'require' what is needed of the model, and where "
       "the tool can be");
   for (CLI::Option* option : add_fields(*command, fields_of(call->options)))

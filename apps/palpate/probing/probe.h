@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Core>
 
 #include "shared/command_line.h"
 
@@ -13,6 +14,9 @@ namespace palpate::apps {
 /// `probe truth`: surface and known forces of a specimen.
 void add_probe_truth(CLI::App& probe, const Settings& settings);
 /// `probe plan`: where to probe a surface.
+/// Adds the option `--sensor`, which sets a position [mm].
+void add_sensor_option(CLI::App& command, Eigen::Vector3d& sensor);
+
 void add_probe_plan(CLI::App& probe, const Settings& settings);
 /// `probe run`, `probe resume` and `probe status`: a campaign.
 void add_probe_run(CLI::App& probe, const Settings& settings);

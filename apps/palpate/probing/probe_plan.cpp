@@ -30,7 +30,6 @@ struct PlanCall {
   fs::path surface, specimen, output, picture;
   geometry::ReadOptions read;
   probing::PlanOptions options;
-  std::vector<double> sensor;
   SceneChoice scene;
 };
 
@@ -83,7 +82,6 @@ void plan(const Settings& settings, PlanCall call) {
   }
   check_pictures({call.picture});
   check_outputs({call.surface, call.specimen, call.scene.scene}, {call.output, call.picture});
-  if (!call.sensor.empty()) call.options.sensor = Eigen::Vector3d(call.sensor.data());
   const geometry::TriangleMesh mesh =
       call.specimen.empty() ? geometry::read_mesh(call.surface, call.read)
                             : probing::parse_specimen(probing::read_specimen_text(call.specimen),
@@ -100,6 +98,16 @@ void plan(const Settings& settings, PlanCall call) {
 
 }  // namespace
 
+void add_sensor_option(CLI::App& command, Eigen::Vector3d& sensor) {
+  command
+      .add_option_function<std::vector<double>>(
+          "--sensor",
+          [&sensor](const std::vector<double>& place) { sensor = Eigen::Vector3d(place.data()); },
+          "Position of the sensor: x y z [mm] (default: 0 0 0)")
+      ->type_name("FLOAT")
+      ->expected(3);
+}
+
 void add_probe_plan(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<PlanCall>();
   CLI::App* command = probe.add_subcommand("plan", "Plan where and how hard to probe a surface");
@@ -109,10 +117,8 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
   command->add_option("-o,--output", call->output, "Plan to write (plan.json)")->required();
   add_unit_option(*command, call->read);
   add_fields(*command, fields_of(call->options));
-  command
-      ->add_option("--sensor", call->sensor, "Position of the sensor: x y z [mm] (default: 0 0 0)")
-      ->expected(3);
-  add_scene_options(*command, call->scene,
+  add_sensor_option(*command, call->options.sensor);
+  add_scene_options(*command, call->scene, "the only one with 'require'",
                     "Scene file (YAML or JSON): contacts are only where its 'require' says that a "
                     "tool can be");
   command->add_option("--picture", call->picture, "Also draw the contacts and their parts (PNG)");

@@ -8,12 +8,12 @@
 
 namespace palpate::apps {
 
-CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std::string& what) {
+CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std::string& usual,
+                               const std::string& what) {
   CLI::Option* scene = command.add_option("--scene", choice.scene, what);
   command
       .add_option("--object", choice.object,
-                  "Name of the object of the scene (default: the one that has this model, or the "
-                  "only one with 'require')")
+                  "Name of the object of the scene (default: " + usual + ")")
       ->needs(scene);
   return scene;
 }

@@ -20,7 +20,9 @@ struct SceneChoice {
 };
 
 /// Adds the options `--scene` and `--object`. \return the first.
-CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std::string& what);
+/// \param usual which object is meant without a name. \param what of `--scene`.
+CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std::string& usual,
+                               const std::string& what);
 
 /// The vertices of a surface that a tool can reach; empty if that is not limited.
 /// \throws InvalidInput naming the scene and the object if that is no part of the surface.

@@ -4,11 +4,14 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "palpate/core/error.h"
@@ -18,6 +21,7 @@
 #include "palpate/haptics/scene_requirement.h"
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/campaign_store.h"
+#include "probing/probe.h"
 #include "probing/probe_campaign.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
@@ -32,15 +36,23 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// [mm] The usual radius of a tip: closer contacts tell nothing new.
-constexpr double kLeastSpacing = 3;
+// [mm] Places at which contacts may be: closer ones, in radii of the tip, tell nothing new.
+constexpr double kLeastSpacing = 1;
+// An arm takes days for more.
+constexpr int kMostContacts = 1000;
 // With fewer contacts, a model tells less about errors with more of them (docs/plan.md).
 constexpr std::size_t kEnoughContacts = 40;
+// Share of the surface that is turned away from the sensor, above which there is a warning.
+constexpr double kMuchOfTheSurface = 0.1;
+// The options of `probe plan` that may be given: the plan chooses the others.
+constexpr std::array<std::string_view, 8> kPlaceOptions{
+    "tip_radius",    "border", "view_angle", "lowest_force",
+    "highest_force", "levels", "directions", "max_force"};
 
 struct PlanSceneCall {
   fs::path scene, output, surface, specimen, acquisition;
   std::optional<std::string> object;
-  probing::PlanOptions places{.spacing = kLeastSpacing};
+  probing::PlanOptions places;
 };
 
 /// An object of the scene, and what is known of it.
@@ -50,57 +62,81 @@ struct PlannedObject {
   std::vector<probing::Contact> places;
 };
 
-/// [s] that a campaign needed for each contact.
-double measured_contact_time(const fs::path& acquisition) {
+/// [s] that a campaign is expected to need for each contact; with the times of an earlier one, if
+/// there is any.
+double contact_time(const probing::ContactPlan& plan, const fs::path& acquisition) {
+  const probing::CampaignProgress expected = probing::Campaign(plan, {}).progress();
+  const auto contacts = static_cast<double>(plan.contacts.size());
+  if (acquisition.empty()) return expected.seconds_left / contacts;
   const probing::CampaignStore store = probing::CampaignStore::look(acquisition);
-  const probing::CampaignProgress at = replayed(store, acquisition.string()).progress();
+  const probing::Campaign before = replayed(store, acquisition.string());
+  const probing::CampaignProgress at = before.progress();
   if (at.contacts_done == 0) {
     throw InvalidInput(acquisition.string() +
                        ": no contact is done; without --acquisition, the usual times are taken");
   }
-  return at.seconds / at.contacts_done;
-}
-
-/// [s] that a campaign is expected to need for each contact.
-double usual_contact_time(const probing::ContactPlan& plan) {
-  return probing::Campaign(plan, {}).progress().seconds_left /
-         static_cast<double>(plan.contacts.size());
+  const probing::PlanOptions &was = before.plan().options, &now = plan.options;
+  if (was.levels == now.levels && was.directions == now.directions)
+    return at.seconds / at.contacts_done;
+  return at.seconds / at.trials * expected.trials_left / contacts;
 }
 
 std::vector<PlannedObject> objects_of(const PlanSceneCall& call,
                                       const haptics::SceneRequirements& scene) {
   std::vector<PlannedObject> objects;
   for (const haptics::SceneRequirement& requirement : scene.objects) {
-    if (call.object && requirement.object != *call.object) continue;
     if (!is_there(requirement.model)) {
       throw InvalidInput(fmt::format(
-          "{}: object '{}': there is no model {}. A plan follows from a first model, of this "
-          "object or of a similar one: measure about {} contacts and fit them, or use 'palpate "
-          "bake' for a simulated object",
+          "{}: object '{}': there is no model {}. A plan needs a first model, of this object or of "
+          "a similar one: measure about {} contacts and fit them, or use 'palpate bake' for a "
+          "simulated object",
           call.scene.string(), requirement.object, requirement.model.string(), kEnoughContacts));
     }
     objects.push_back({requirement, haptics::read_model(requirement.model), {}});
   }
-  if (objects.empty()) {
-    throw InvalidInput(fmt::format("--object: is {}; {} has no such object with 'require'",
-                                   *call.object, call.scene.string()));
-  }
   return objects;
 }
 
+// The object whose project is written.
+std::size_t selected_object(const PlanSceneCall& call, const std::vector<PlannedObject>& objects) {
+  std::string names;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (call.object == objects[i].requirement.object) return i;
+    names += (i > 0 ? ", " : "") + objects[i].requirement.object;
+  }
+  if (call.object)
+    throw InvalidInput(fmt::format("--object: is {}; it must be one of: {}", *call.object, names));
+  if (objects.size() > 1) {
+    throw InvalidInput("--output: a project is for one object; select it with --object: " + names);
+  }
+  return 0;
+}
+
 haptics::ObjectNeeds needs_of(const PlanSceneCall& call, PlannedObject& object) {
-  haptics::ObjectNeeds needs{.model = &object.model,
+  haptics::ObjectNeeds needs{.name = object.requirement.object,
+                             .model = &object.model,
                              .options = object.requirement.options,
                              .places = {},
                              .arm_time = object.requirement.arm_time};
   needs.options.reachable =
       reachable_vertices_of(call.scene, object.requirement, object.model.surface);
+  probing::PlanOptions options = call.places;
+  options.spacing = kLeastSpacing * options.tip_radius;
+  options.contacts = kMostContacts;
   const probing::ContactPlan plan =
-      probing::plan_contacts(object.model.surface, call.places, needs.options.reachable);
+      probing::plan_contacts(object.model.surface, options, needs.options.reachable);
+  const auto oblique = static_cast<std::size_t>(probing::Eligibility::oblique);
+  if (!object.requirement.region &&
+      static_cast<double>(plan.excluded[oblique]) >
+          kMuchOfTheSurface * static_cast<double>(object.model.surface.vertices.cols())) {
+    spdlog::warn(
+        "{}: {} of {} vertices are turned away from the sensor and cannot be probed; the errors "
+        "there count. Limit the region in the scene file, or set --sensor or --view-angle",
+        object.requirement.object, plan.excluded[oblique], object.model.surface.vertices.cols());
+  }
   object.places = plan.contacts;
   for (const probing::Contact& contact : plan.contacts) needs.places.push_back(contact.position);
-  needs.contact_time =
-      call.acquisition.empty() ? usual_contact_time(plan) : measured_contact_time(call.acquisition);
+  needs.contact_time = contact_time(plan, call.acquisition);
   return needs;
 }
 
@@ -126,6 +162,8 @@ Json figures_of(const haptics::SceneRequirement& requirement, const haptics::Obj
   return {{"object", requirement.object},
           {"model", requirement.model.string()},
           {"asked", number_or_null(plan.asked)},
+          {"allowed", number_or_null(plan.allowed)},
+          {"met", plan.is_met()},
           {"limit", to_string(plan.limit)},
           {"raised", plan.raised},
           {"of_contacts", plan.of_contacts},
@@ -143,9 +181,9 @@ std::string row(const haptics::PlannedContacts& of, const char* note) {
 std::string in_words(const haptics::SceneRequirement& requirement,
                      const haptics::ObjectPlan& plan) {
   std::string words = fmt::format(
-      "{} ({}): an error of {} is expected with the present {} contacts; {} of it are the errors "
-      "of "
-      "the contacts themselves.\n  contacts      error  arm [h]  model [kB]\n",
+      "{} ({}): an error of {} is expected with the present {} contacts. The errors of the "
+      "contacts "
+      "themselves contribute {}.\n  contacts      error  arm [h]  model [kB]\n",
       requirement.object, requirement.model.string(), newtons(plan.present.error, 3),
       plan.present.contacts, newtons(plan.of_contacts, 3));
   std::vector<haptics::PlannedContacts> points = plan.curve;
@@ -156,52 +194,52 @@ std::string in_words(const haptics::SceneRequirement& requirement,
   std::ranges::sort(points, {}, &haptics::PlannedContacts::contacts);
   for (const haptics::PlannedContacts& point : points)
     words += row(point, point.contacts == plan.planned.contacts ? "  planned" : "");
-  words += fmt::format("Decided by {}.", decided_by(plan));
-  if (is_good_enough(plan)) {
-    words += " The model is good enough as it is.";
-  } else {
+  words += decided_by(plan);
+  if (plan.is_reduced && plan.asked) {
+    words += fmt::format(" Planned for {}: reducing the model needs the rest.",
+                         newtons(*plan.allowed, 3));
+  }
+  if (plan.is_met()) {
+    words += " The model meets the requirement already, if it is of this object.";
+  } else if (plan.with_more.contacts > plan.planned.contacts) {
     words += fmt::format(" One hour of the arm more: {} with {} contacts.",
                          newtons(plan.with_more.error, 3), plan.with_more.contacts);
   }
-  if (const auto& size = requirement.options.max_size; size && plan.planned.size > *size) {
-    words += fmt::format(" The model will be larger than {:.0f} kB: reduce it.", *size / 1e3);
-  }
+  if (const auto& size = requirement.options.max_size; size && plan.planned.size > *size)
+    words += fmt::format(" The model will be larger than {:.3g} kB: reduce it.", *size / 1e3);
   return words + "\n";
 }
 
 void tell_raised(const haptics::SceneRequirement& requirement, const haptics::ObjectPlan& plan) {
   if (!(plan.raised > 1)) return;
-  spdlog::warn(
-      "{}: the allowed error of {} cannot be met; {} is expected, {:.2f} times as much. The limit "
-      "is "
-      "{}.{}",
-      requirement.object, newtons(plan.asked.value_or(0), 3), newtons(plan.planned.error, 3),
-      plan.raised, decided_by(plan),
-      plan.of_contacts > 0.9 * *plan.asked
-          ? " Most of it are the errors of the contacts themselves: more samples at each, or less "
-            "noise, would help"
-          : "");
+  const double own = std::pow(plan.of_contacts, 2), all = std::pow(plan.planned.error, 2);
+  const char* why = own > all / 2
+                        ? " Most of it are the errors of the contacts themselves: more samples at "
+                          "each contact, or less noise, would help."
+                        : "";
+  spdlog::warn("{}: {} is expected, {:.3g} times the error that is planned for ({}). {}{}",
+               requirement.object, newtons(plan.planned.error, 3), plan.raised,
+               newtons(*plan.allowed, 3), decided_by(plan), why);
 }
 
 void plan(const Settings& settings, const PlanSceneCall& call) {
   if (!call.surface.empty() && !call.specimen.empty())
     throw InvalidInput("palpate plan: give either --surface or --specimen");
-  check_outputs({call.scene, call.acquisition, call.surface, call.specimen}, {call.output});
   const haptics::SceneRequirements scene = haptics::read_scene_requirements(call.scene);
+  std::vector<fs::path> inputs{call.scene, call.acquisition, call.surface, call.specimen};
+  for (const haptics::SceneRequirement& requirement : scene.objects)
+    inputs.push_back(requirement.model);
+  check_outputs(inputs, {call.output});
   std::vector<PlannedObject> objects = objects_of(call, scene);
-  if (!call.output.empty() && objects.size() > 1) {
-    throw InvalidInput(
-        fmt::format("--output: a project is for one object; select one of {} with --object",
-                    counted(objects.size(), "object")));
-  }
+  const std::size_t selected =
+      call.output.empty() && !call.object ? 0 : selected_object(call, objects);
   std::vector<haptics::ObjectNeeds> needs;
   for (PlannedObject& object : objects) {
     needs.push_back(needs_of(call, object));
     if (object.model.contacts.size() < kEnoughContacts) {
       spdlog::warn(
           "{}: has {} contacts; from fewer than {}, the expected errors can be wrong by a factor "
-          "of "
-          "three",
+          "of five",
           object.requirement.model.string(), object.model.contacts.size(), kEnoughContacts);
     }
   }
@@ -218,18 +256,22 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
   }
   if (plans.size() > 1) words += fmt::format("All objects: {:.1f} h of the arm.\n", hours);
   if (!call.output.empty()) {
-    const PlannedObject& object = objects.front();
+    const PlannedObject& object = objects[selected];
     const std::string text = project_of(
         {.project = call.output,
          .scene = call.scene,
          .surface = call.surface.empty() ? object.requirement.model / "surface.ply" : call.surface,
          .specimen = call.specimen,
          .places = call.places,
-         .spacing = spacing_of(object.places, plans.front().planned.contacts)},
-        object.requirement, plans.front());
-    write_file(call.output, [&](std::ostream& out) { out << text; });
-    figures["file"] = call.output.string();
-    words += fmt::format("Written to {}\n", call.output.string());
+         .spacing = spacing_of(object.places, plans[selected].planned.contacts)},
+        object.requirement, plans[selected]);
+    if (text.empty()) {
+      words += "There is nothing to do, and no project to write.\n";
+    } else {
+      write_file(call.output, [&](std::ostream& out) { out << text; });
+      figures["file"] = call.output.string();
+      words += fmt::format("Written to {}\n", call.output.string());
+    }
   }
   words.pop_back();
   print(settings, figures, words);
@@ -247,7 +289,8 @@ void add_plan(CLI::App& app, const Settings& settings) {
       ->required();
   command->add_option("-o,--output", call->output,
                       "Project file to write, with the settings for 'palpate run'");
-  command->add_option("--object", call->object, "Plan only the object of this name");
+  command->add_option("--object", call->object,
+                      "Name of the object for which the project is (default: the only one)");
   command->add_option("--surface", call->surface,
                       "Mesh of the undeformed object for the project (default: that of the model)");
   command->add_option("--specimen", call->specimen,
@@ -255,7 +298,8 @@ void add_plan(CLI::App& app, const Settings& settings) {
   command->add_option("--acquisition", call->acquisition,
                       "Store of a campaign that shows how long a contact takes (default: the usual "
                       "times)");
-  add_fields(*command, fields_of(call->places));
+  add_fields(*command, fields_of(call->places), kPlaceOptions);
+  add_sensor_option(*command, call->places.sensor);
   command->footer(
       "The models of the scene tell what errors to expect with other contacts: models of these "
       "objects with at least 40 contacts, or of similar ones.\n"

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 // A text of YAML in double quotes, which JSON's are.
 std::string in_quotes(const fs::path& path) { return nlohmann::json(path.string()).dump(); }
 
-// Options of `probe plan` that differ from the usual ones, but for those that the plan chose.
+// Options of `probe plan` that differ from the usual ones, without those that the plan chose.
 std::string changed_entries(probing::PlanOptions places) {
   probing::PlanOptions usual;
   places.spacing = usual.spacing;
@@ -37,33 +37,23 @@ std::string changed_entries(probing::PlanOptions places) {
   return lines;
 }
 
-// Whether the scene asks for less than the whole model.
-bool is_reduced(const haptics::SceneRequirement& requirement) {
-  const haptics::ReduceOptions& needs = requirement.options;
-  return needs.max_size || needs.max_surface_error || requirement.region;
-}
-
 }  // namespace
-
-bool is_good_enough(const haptics::ObjectPlan& plan) {
-  return plan.limit == haptics::PlanLimit::none ||
-         (plan.raised == 1 && plan.planned.contacts <= plan.present.contacts);
-}
 
 std::string decided_by(const haptics::ObjectPlan& plan) {
   switch (plan.limit) {
     case haptics::PlanLimit::force_error:
-      return fmt::format("the allowed error of {}", newtons(plan.asked.value_or(0), 3));
+      return fmt::format("Decided by the allowed error of {}.", newtons(*plan.asked, 3));
     case haptics::PlanLimit::arm_time:
-      return "the time of the arm for this object";
+      return "Decided by the time of the arm for this object.";
     case haptics::PlanLimit::scene_time:
-      return "the time of the arm for all objects";
+      return "Decided by the time of the arm for all objects.";
     case haptics::PlanLimit::places:
-      return "the places at which the tip can probe";
+      return fmt::format("These are all {} places at which the tip can probe.",
+                         plan.planned.contacts);
     case haptics::PlanLimit::none:
       break;
   }
-  return "nothing: neither force_error nor arm_time is required";
+  return "Neither force_error nor arm_time is given: as many contacts as now.";
 }
 
 std::string project_of(const ProjectSource& source, const haptics::SceneRequirement& requirement,
@@ -74,13 +64,15 @@ std::string project_of(const ProjectSource& source, const haptics::SceneRequirem
   };
   const std::string object = in_quotes(requirement.object), scene = from_here(source.scene),
                     surface = from_here(source.surface);
+  const bool measures = !plan.is_met() && plan.limit != haptics::PlanLimit::none;
+  if (!measures && !plan.is_reduced) return {};
   std::string text = fmt::format(
-      "# How to measure {}, by palpate plan {}. Decided by {}.\n"
+      "# How to measure {}, by palpate plan {}. {}\n"
       "# Do all steps with: palpate run {}\n"
       "output: {}\n",
       object, source.scene.filename().string(), decided_by(plan),
       source.project.filename().string(), in_quotes(source.project.stem().string() + "-results"));
-  if (!is_good_enough(plan)) {
+  if (measures) {
     const bool is_simulated = !source.specimen.empty();
     const std::string specimen = fmt::format("  specimen: {}\n", from_here(source.specimen));
     text += "plan:\n" + (is_simulated ? specimen : fmt::format("  surface: {}\n", surface));
@@ -100,9 +92,9 @@ std::string project_of(const ProjectSource& source, const haptics::SceneRequirem
                            "(docs/probing.md).\n";
     text += fmt::format("fit:\n  surface: {}\nevaluate: {{}}\n", surface);
   }
-  if (is_reduced(requirement)) {
-    text += "reduce:  # the scene needs only a part of the model\n";
-    if (is_good_enough(plan)) text += fmt::format("  model: {}\n", from_here(requirement.model));
+  if (plan.is_reduced) {
+    text += "reduce:  # to what the scene needs\n";
+    if (!measures) text += fmt::format("  model: {}\n", from_here(requirement.model));
     text += fmt::format("  scene: {}\n  object: {}\n", scene, object);
   }
   return text;

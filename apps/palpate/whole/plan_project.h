@@ -21,15 +21,12 @@ struct ProjectSource {
 };
 
 /// A project file (docs/projects.md) with the settings that a plan chose, and a comment at each
-/// that says why. Paths are made relative to its folder.
+/// that says why. Paths are made relative to its folder. Empty if nothing has to be done.
 [[nodiscard]] std::string project_of(const ProjectSource& source,
                                      const haptics::SceneRequirement& requirement,
                                      const haptics::ObjectPlan& plan);
 
-/// Whether the model already meets the requirements.
-[[nodiscard]] bool is_good_enough(const haptics::ObjectPlan& plan);
-
-/// "the allowed error of 0.1 N": what decides a plan.
+/// "Decided by the allowed error of 0.1 N.": what decides the number of contacts.
 [[nodiscard]] std::string decided_by(const haptics::ObjectPlan& plan);
 
 }  // namespace palpate::apps

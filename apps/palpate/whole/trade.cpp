@@ -20,6 +20,9 @@
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/haptics/trajectory_file.h"
 #include "probing/report_page.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
@@ -44,6 +47,7 @@ struct TradePoint {
   double bytes = 0;
   double seconds = 0;               ///< of the command
   std::optional<double> step = {};  ///< [us] of the haptic loop
+  bool best_by_size = false, best_by_time = false;
 };
 
 /// The points of a sweep, and what their errors are.
@@ -54,7 +58,7 @@ struct Trade {
 };
 
 std::string row(const Trade& trade, const TradePoint& point) {
-  return fmt::format("{:10.3g} {} {:9.0f} kB {:8.2g} s  {}", point.error, trade.unit,
+  return fmt::format("{:10.3g} {} {:9.4g} kB {:8.2g} s  {}", point.error, trade.unit,
                      point.bytes / 1e3, point.seconds, point.settings);
 }
 
@@ -84,7 +88,7 @@ double size_of(const fs::path& path) {
   return size;
 }
 
-// Errors of reduced models are those of other calls: their warnings and progress would be noise.
+// While it exists, commands show neither warnings nor progress.
 class Quieted {
  public:
   Quieted() { spdlog::set_level(std::max(level_, spdlog::level::err)); }
@@ -116,11 +120,18 @@ class Sweep {
     words.insert(words.end(), {"-o", result.string()});
     spdlog::info("palpate {}", fmt::join(words, " "));
     try {
-      const Quieted quieted;
+      // The data are the same each time: what is wrong with them is said once.
+      std::optional<Quieted> quieted;
+      if (!settings.empty()) quieted.emplace();
       const auto start = std::chrono::steady_clock::now();
       const Json figures = run_call(words);
       const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-      trade.points.push_back({name, error(figures), size_of(result), taken.count(), step(result)});
+      const TradePoint point{name, error(figures), size_of(result), taken.count(), step(result)};
+      const bool is_new = std::ranges::none_of(trade.points, [&](const TradePoint& other) {
+        return other.error == point.error && other.bytes == point.bytes;
+      });
+      if (!is_new) return figures;
+      trade.points.push_back(point);
       if (tells_) std::cout << row(trade, trade.points.back()) << std::endl;
       return figures;
     } catch (const Error& failed) {
@@ -177,8 +188,8 @@ void add_reductions(Sweep& sweep, Trade& trade, const TradeCall& call, const fs:
 
 Trade trade_of_acquisition(Sweep& sweep, const TradeCall& call) {
   Trade trade{.error = call.queries.empty()
-                           ? "RMS error at contacts that are left out; of reduced models, with "
-                             "their difference from the full one"
+                           ? "RMS error at contacts that are left out; for reduced models, "
+                             "root of the squares of that of the full model and of the difference"
                            : "RMS error against known forces",
               .unit = "N",
               .points = {},
@@ -237,10 +248,11 @@ std::vector<TradeDot> in_kilobytes(std::vector<TradeDot> dots) {
   return dots;
 }
 
-std::vector<bool> best_of(const Trade& trade, double TradePoint::*cost) {
-  std::vector<bool> best(trade.points.size());
-  for (const std::size_t i : pareto_front(dots_of(trade, cost))) best[i] = true;
-  return best;
+void mark_best(Trade& trade) {
+  for (const std::size_t i : pareto_front(dots_of(trade, &TradePoint::bytes)))
+    trade.points[i].best_by_size = true;
+  for (const std::size_t i : pareto_front(dots_of(trade, &TradePoint::seconds)))
+    trade.points[i].best_by_time = true;
 }
 
 std::string step_in_words(const TradePoint& point) {
@@ -248,37 +260,32 @@ std::string step_in_words(const TradePoint& point) {
 }
 
 std::string csv_of(const Trade& trade) {
-  const std::vector<bool> by_size = best_of(trade, &TradePoint::bytes),
-                          by_time = best_of(trade, &TradePoint::seconds);
   std::string csv = fmt::format(
       "settings,error_{},bytes,seconds,us_per_step,best_by_size,best_by_time\n", trade.unit);
-  for (std::size_t i = 0; i < trade.points.size(); ++i) {
-    const TradePoint& point = trade.points[i];
-    csv +=
-        fmt::format("{},{:.6g},{:.0f},{:.3g},{},{},{}\n", point.settings, point.error, point.bytes,
-                    point.seconds, step_in_words(point), by_size[i] ? 1 : 0, by_time[i] ? 1 : 0);
+  for (const TradePoint& point : trade.points) {
+    csv += fmt::format("{},{:.6g},{:.0f},{:.3g},{},{},{}\n", point.settings, point.error,
+                       point.bytes, point.seconds, step_in_words(point), point.best_by_size ? 1 : 0,
+                       point.best_by_time ? 1 : 0);
   }
   return csv;
 }
 
 std::string page_of(const Trade& trade, const TradeCall& call) {
-  const std::vector<bool> by_size = best_of(trade, &TradePoint::bytes),
-                          by_time = best_of(trade, &TradePoint::seconds);
   ReportPage page("Accuracy, size and time: " + call.data.filename().string());
   page.add_paragraph(trade.error +
-                     ". Red points are the best ones: no other has a smaller error "
-                     "at the same or a smaller cost.");
+                     ". Red points are the best ones: no other has an error that is more than 1 % "
+                     "smaller at the same or a smaller cost.");
   page.add_picture("error-size.svg", "Error and size. Numbers as in the table.");
   page.add_picture("error-time.svg", "Error and time of the command.");
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < trade.points.size(); ++i) {
     const TradePoint& point = trade.points[i];
-    const char* best = by_size[i] && by_time[i] ? "size, time"
-                       : by_size[i]             ? "size"
-                       : by_time[i]             ? "time"
-                                                : "";
+    const char* best = point.best_by_size && point.best_by_time ? "size, time"
+                       : point.best_by_size                     ? "size"
+                       : point.best_by_time                     ? "time"
+                                                                : "";
     rows.push_back({fmt::format("{} {}", i + 1, point.settings), fmt::format("{:.3g}", point.error),
-                    fmt::format("{:.0f}", point.bytes / 1e3), fmt::format("{:.3g}", point.seconds),
+                    fmt::format("{:.4g}", point.bytes / 1e3), fmt::format("{:.3g}", point.seconds),
                     step_in_words(point), best});
   }
   page.add_table({"settings", fmt::format("error [{}]", trade.unit), "size [kB]", "time [s]",
@@ -289,18 +296,15 @@ std::string page_of(const Trade& trade, const TradeCall& call) {
 }
 
 Json figures_of(const Trade& trade, const TradeCall& call) {
-  const std::vector<bool> by_size = best_of(trade, &TradePoint::bytes),
-                          by_time = best_of(trade, &TradePoint::seconds);
   Json points = Json::array();
-  for (std::size_t i = 0; i < trade.points.size(); ++i) {
-    const TradePoint& point = trade.points[i];
+  for (const TradePoint& point : trade.points) {
     points.push_back({{"settings", point.settings},
                       {"error", point.error},
                       {"bytes", std::llround(point.bytes)},
                       {"seconds", point.seconds},
                       {"us_per_step", number_or_null(point.step)},
-                      {"best_by_size", bool{by_size[i]}},
-                      {"best_by_time", bool{by_time[i]}}});
+                      {"best_by_size", point.best_by_size},
+                      {"best_by_time", point.best_by_time}});
   }
   return {{"error_is", trade.error},
           {"unit", trade.unit},
@@ -326,6 +330,11 @@ void trade(const Settings& settings, const TradeCall& call) {
     throw InvalidInput("--surface: is only for an acquisition");
   if (!is_acquisition && !is_model && !(call.queries.empty() && call.trajectory.empty()))
     throw InvalidInput("--queries, --trajectory: are only for an acquisition or a model");
+  // Wrong files are found before anything is done.
+  if (!call.queries.empty()) static_cast<void>(haptics::read_queries(call.queries));
+  if (!call.trajectory.empty()) static_cast<void>(haptics::read_trajectory_file(call.trajectory));
+  if (is_model) static_cast<void>(haptics::read_model(call.data));
+  if (!call.surface.empty()) static_cast<void>(geometry::read_mesh(call.surface, {}));
   Trade found;
   write_folder(call.output, entries, [&](const fs::path& folder) {
     const fs::path work = folder / "work";
@@ -335,6 +344,7 @@ void trade(const Settings& settings, const TradeCall& call) {
             : is_acquisition ? trade_of_acquisition(sweep, call)
                              : trade_of_mesh(sweep, call);
     fs::remove_all(work);
+    mark_best(found);
     if (found.points.empty()) throw InvalidInput(found.failures.front());
     const auto write = [&](const char* name, const std::string& text) {
       write_file(folder / name, [&](std::ostream& out) { out << text; });
@@ -358,8 +368,8 @@ void add_trade(CLI::App& app, const Settings& settings) {
       "trade", "Measure what accuracy costs on your own data, with many settings");
   command
       ->add_option("DATA", call->data,
-                   "Measurements (acquisition.db), a model folder, or a mesh: its settings of fit, "
-                   "reduce or mesh are tried")
+                   "Measurements (acquisition.db), a model folder, or a mesh: settings of 'palpate "
+                   "fit', 'reduce' or 'mesh' are tried on it")
       ->required();
   command
       ->add_option("-o,--output", call->output, "Folder to write: trade.html with plots, trade.csv")
@@ -374,7 +384,7 @@ void add_trade(CLI::App& app, const Settings& settings) {
       "--trajectory", call->trajectory,
       "Path of a tool (CSV): the time of a step of the haptic loop is measured, too");
   command->footer(
-      "Each setting is printed as the options that give it.\n"
+      "Each line ends with the options that give it.\n"
       "Examples:\n  palpate trade acquisition.db --surface surface.ply -o trade/\n"
       "  palpate trade model/ --queries queries.csv -o trade/\n"
       "  palpate trade surface.ply -o trade/");

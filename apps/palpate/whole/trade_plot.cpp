@@ -17,6 +17,9 @@ namespace {
 // [px] of the picture, and of its margins.
 constexpr double kWidth = 720, kHeight = 420, kLeft = 80, kRight = 20, kTop = 20, kBottom = 60;
 
+// Errors that differ by less, relative to them, are the same.
+constexpr double kSame = 0.01;
+
 // A number with at most three digits that is at least `value` and easy to read: 1, 2 or 5 times a
 // power of ten.
 double round_up(double value) {
@@ -84,7 +87,7 @@ std::vector<std::size_t> pareto_front(const std::vector<TradeDot>& dots) {
   std::vector<std::size_t> front;
   double least = std::numeric_limits<double>::infinity();
   for (const std::size_t i : order) {
-    if (!(dots[i].error < least)) continue;
+    if (!(dots[i].error < (1 - kSame) * least)) continue;
     least = dots[i].error;
     front.push_back(i);
   }

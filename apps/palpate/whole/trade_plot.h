@@ -14,8 +14,8 @@ struct TradeDot {
   double error = 0;  ///< >= 0
 };
 
-/// The indices of the points than which no other one has a smaller error for the same or a smaller
-/// cost, or the same error for a smaller cost: the Pareto front. Of equal points, the first.
+/// The Pareto front: indices of the points that have a smaller error, by more than 1 %, than all
+/// others of the same or a smaller cost. Of equal points, the first.
 [[nodiscard]] std::vector<std::size_t> pareto_front(const std::vector<TradeDot>& dots);
 
 /// Draws the points, numbered from 1, as SVG: the cost on a logarithmic axis, the error from zero.

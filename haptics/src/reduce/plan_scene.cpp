@@ -26,6 +26,8 @@ constexpr double kHour = 3600;  // [s]
 constexpr std::array<double, 7> kCurve{0.25, 0.5, 1, 1.5, 2, 3, 4};
 // The factor by which errors are raised is found up to this.
 constexpr double kFactorTolerance = 1.001;
+// A time for a number of contacts is enough for them, up to this relative to it.
+constexpr double kTimeRounding = 1e-9;
 
 // [bytes] that a contact adds to the model folder.
 double contact_size(const Model& model) {
@@ -54,10 +56,10 @@ class ContactTrade {
   [[nodiscard]] int most() const { return static_cast<int>(needs_.places.size()); }
 
   // [N] that the contacts may cause: a reduction needs the rest.
-  [[nodiscard]] double allowed() const {
+  [[nodiscard]] double allowed() const { return is_reduced() ? *asked_ / kReductionRoom : *asked_; }
+  [[nodiscard]] bool is_reduced() const {
     const ReduceOptions& of = needs_.options;
-    const bool is_reduced = of.max_size || of.max_surface_error || !of.reachable.empty();
-    return is_reduced ? *asked_ / kReductionRoom : *asked_;
+    return of.max_size || of.max_surface_error || !of.reachable.empty();
   }
 
   [[nodiscard]] PlannedContacts with(int contacts) {
@@ -88,7 +90,8 @@ class ContactTrade {
 
   // How many contacts the arm has time for.
   [[nodiscard]] int contacts_in(double time) const {
-    return static_cast<int>(std::min(std::floor(time / needs_.contact_time), double(most())));
+    return static_cast<int>(
+        std::min(std::floor((1 + kTimeRounding) * time / needs_.contact_time), double(most())));
   }
 
  private:
@@ -110,13 +113,15 @@ struct Choice {
   PlanLimit limit = PlanLimit::none;
 };
 
-// \param factor by which the allowed error is raised.
+// \param factor by which the allowed error is raised, and numbers of contacts that nothing asks for
+// are divided.
 Choice choice_of(ContactTrade& trade, double factor) {
   const std::optional<double> time = trade.needs().arm_time;
   const Choice in_time{time ? trade.contacts_in(*time) : trade.most(), PlanLimit::arm_time};
   if (!trade.asked()) {
-    if (time) return in_time;
-    return {std::min(trade.present(), trade.most()), PlanLimit::none};
+    const Choice most =
+        time ? in_time : Choice{std::min(trade.present(), trade.most()), PlanLimit::none};
+    return {std::max(kLeastContacts, static_cast<int>(most.contacts / factor)), most.limit};
   }
   const double error = factor * trade.allowed();
   const Choice enough{trade.contacts_for(error), PlanLimit::force_error};
@@ -146,21 +151,22 @@ std::vector<Choice> choices_within(std::vector<ContactTrade>& trades, double arm
   do {
     low = high;
     high *= 2;
-    if (!(high < 1e6)) {
-      throw InvalidInput(fmt::format(
-          "arm_time of the scene is {:.3g} h, too little; the fewest contacts that meet the other "
-          "requirements take {:.3g} h",
-          arm_time / kHour, time_of(trades, choices) / kHour));
-    }
     choices = choices_of(trades, high);
+    if (std::ranges::all_of(
+            choices, [](const Choice& choice) { return choice.contacts <= kLeastContacts; }) &&
+        time_of(trades, choices) > arm_time) {
+      throw InvalidInput(
+          fmt::format("arm_time of the scene is {:.3g} h, too little: three contacts of each "
+                      "object, the fewest of a model, take {:.3g} h",
+                      arm_time / kHour, time_of(trades, choices) / kHour));
+    }
   } while (time_of(trades, choices) > arm_time);
   while (high > kFactorTolerance * low) {
     const double middle = std::sqrt(low * high);
     (time_of(trades, choices_of(trades, middle)) <= arm_time ? high : low) = middle;
   }
   choices = choices_of(trades, high);
-  for (Choice& choice : choices)
-    if (choice.limit == PlanLimit::force_error) choice.limit = PlanLimit::scene_time;
+  for (Choice& choice : choices) choice.limit = PlanLimit::scene_time;
   return choices;
 }
 
@@ -168,12 +174,17 @@ ObjectPlan plan_of(ContactTrade& trade, const Choice& choice) {
   ObjectPlan plan{.present = trade.as_it_is(),
                   .planned = trade.with(choice.contacts),
                   .with_more = {},
+                  .is_reduced = trade.is_reduced(),
                   .asked = trade.asked(),
+                  .allowed = {},
                   .limit = choice.limit,
                   .of_contacts = trade.forecast().of_contacts(),
                   .curve = {}};
   plan.with_more = trade.with(trade.contacts_in(plan.planned.arm_time + kHour));
-  if (plan.asked) plan.raised = std::max(1.0, plan.planned.error / trade.allowed());
+  if (plan.asked) {
+    plan.allowed = trade.allowed();
+    plan.raised = std::max(1.0, plan.planned.error / *plan.allowed);
+  }
   for (const double share : kCurve) {
     const PlannedContacts point =
         trade.with(static_cast<int>(std::lround(share * trade.present())));
@@ -212,8 +223,12 @@ std::vector<ObjectPlan> plan_scene(std::span<const ObjectNeeds> objects,
   std::vector<ContactTrade> trades;
   trades.reserve(objects.size());
   for (const ObjectNeeds& needs : objects) {
-    check_needs(needs);
-    trades.emplace_back(needs);
+    try {
+      check_needs(needs);
+      trades.emplace_back(needs);
+    } catch (const InvalidInput& wrong) {
+      throw InvalidInput(fmt::format("object '{}': {}", needs.name, wrong.what()));
+    }
   }
   const std::vector<Choice> choices =
       arm_time ? choices_within(trades, *arm_time) : choices_of(trades, 1);

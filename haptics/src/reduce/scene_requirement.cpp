@@ -8,6 +8,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -114,15 +115,13 @@ SceneRegion region_of(const DocumentNode& node, const fs::path& folder) {
   return region;
 }
 
-std::optional<SceneRequirement> requirement_of(const DocumentNode& object, const fs::path& folder) {
-  object.expect_only(kObjectMembers);
+SceneRequirement requirement_of(const DocumentNode& object, const fs::path& folder) {
   SceneRequirement result{.object = object.at("name").text(),
                           .model = folder / object.at("model").text(),
                           .options = {},
                           .region = {},
                           .arm_time = {}};
-  const auto require = object.find("require");
-  if (!require) return std::nullopt;
+  const std::optional<DocumentNode> require = object.find("require");
   require->expect_only(kRequire);
   ReduceOptions& options = result.options;
   if (const auto error = require->find("force_error")) read_force_error(*error, options);
@@ -140,30 +139,68 @@ std::optional<SceneRequirement> requirement_of(const DocumentNode& object, const
   return result;
 }
 
-SceneRequirements requirements_of(const DocumentNode& root, const fs::path& folder) {
+std::vector<DocumentNode> objects_with_requirements(const DocumentNode& root) {
   root.expect_only(kSceneMembers);
+  std::vector<DocumentNode> objects = root.at("objects").items();
+  for (const DocumentNode& object : objects) object.expect_only(kObjectMembers);
+  std::erase_if(objects, [](const DocumentNode& object) { return !object.find("require"); });
+  if (objects.empty()) {
+    root.at("objects").refuse(
+        "an object with 'require', for example require: {force_error: 0.2 N}");
+  }
+  return objects;
+}
+
+SceneRequirements requirements_of(const DocumentNode& root, const fs::path& folder) {
   SceneRequirements result;
+  for (const DocumentNode& object : objects_with_requirements(root))
+    result.objects.push_back(requirement_of(object, folder));
   if (const auto budget = root.find("budget")) {
     budget->expect_only(kBudget);
     if (const auto time = budget->find("arm_time"))
       result.arm_time = quantity_above_zero(*time, kTimes);
   }
-  for (const DocumentNode& object : root.at("objects").items())
-    if (auto requirement = requirement_of(object, folder))
-      result.objects.push_back(std::move(*requirement));
-  if (result.objects.empty()) {
-    root.at("objects").refuse(
-        "an object with 'require', for example require: {force_error: 0.2 N}");
-  }
   return result;
 }
 
 // Whether an object is meant by its name, or else by its model.
-bool is_meant(const SceneRequirement& requirement, const fs::path& model,
+bool is_meant(const DocumentNode& object, const fs::path& folder, const fs::path& model,
               const std::optional<std::string>& name) {
-  if (name) return requirement.object == *name;
+  if (name) return object.at("name").text() == *name;
   std::error_code ignored;
-  return model.empty() || fs::equivalent(requirement.model, model, ignored);
+  return model.empty() || fs::equivalent(folder / object.at("model").text(), model, ignored);
+}
+
+SceneRequirement requirement_of_one(const DocumentNode& root, const fs::path& folder,
+                                    const fs::path& model, const std::optional<std::string>& name) {
+  std::vector<DocumentNode> found = objects_with_requirements(root);
+  std::string objects;
+  for (const DocumentNode& each : found) {
+    objects += fmt::format("{}{} ({})", objects.empty() ? "" : ", ", each.at("name").text(),
+                           each.at("model").text());
+  }
+  std::erase_if(found,
+                [&](const DocumentNode& each) { return !is_meant(each, folder, model, name); });
+  if (found.size() == 1) return requirement_of(found.front(), folder);
+  std::string what = name ? "the name " + *name : "the model " + model.string();
+  if (!name && model.empty()) what = "a member 'require'";
+  throw InvalidInput(fmt::format(
+      "{} {}; objects with 'require' are: {}",
+      found.empty() ? "no object with 'require' has" : "several objects have", what, objects));
+}
+
+// Reads a scene file. Errors get its name.
+template <typename Result>
+Result read_scene_document(const fs::path& path,
+                           const std::function<Result(const DocumentNode& root)>& read) {
+  const DocumentPart document{read_document_file(path), ""};
+  try {
+    return read(DocumentNode(document));
+  } catch (const FileError&) {
+    throw;
+  } catch (const InvalidInput& wrong) {
+    throw FileError(path.string() + ": " + wrong.what());
+  }
 }
 
 // Distance of successive places, relative to the margin, which is widened by it.
@@ -226,33 +263,15 @@ std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
 }
 
 SceneRequirements read_scene_requirements(const fs::path& path) {
-  const DocumentPart document{read_document_file(path), ""};
-  try {
-    return requirements_of(DocumentNode(document), path.parent_path());
-  } catch (const FileError&) {
-    throw;
-  } catch (const InvalidInput& wrong) {
-    throw FileError(path.string() + ": " + wrong.what());
-  }
+  return read_scene_document<SceneRequirements>(
+      path, [&](const DocumentNode& root) { return requirements_of(root, path.parent_path()); });
 }
 
 SceneRequirement read_scene_requirement(const fs::path& path, const fs::path& model,
                                         const std::optional<std::string>& object) {
-  std::vector<SceneRequirement> all = read_scene_requirements(path).objects;
-  std::string objects;
-  for (const SceneRequirement& each : all) {
-    objects += fmt::format("{}{} ({})", objects.empty() ? "" : ", ", each.object,
-                           each.model.lexically_relative(path.parent_path()).string());
-  }
-  const auto [rest, end] =
-      std::ranges::remove_if(all, [&](const auto& each) { return !is_meant(each, model, object); });
-  all.erase(rest, end);
-  if (all.size() == 1) return std::move(all.front());
-  std::string what = object ? "the name " + *object : "the model " + model.string();
-  if (!object && model.empty()) what = "a member 'require'";
-  throw FileError(fmt::format("{}: {} {}; objects with 'require' are: {}", path.string(),
-                              all.empty() ? "no object with 'require' has" : "several objects have",
-                              what, objects));
+  return read_scene_document<SceneRequirement>(path, [&](const DocumentNode& root) {
+    return requirement_of_one(root, path.parent_path(), model, object);
+  });
 }
 
 }  // namespace palpate::haptics

@@ -41,7 +41,8 @@ class PlanScene : public ::testing::Test {
 
   [[nodiscard]] ObjectNeeds needs(const ReduceOptions& options,
                                   std::optional<double> arm_time = {}) const {
-    ObjectNeeds result{.model = &model,
+    ObjectNeeds result{.name = "ball",
+                       .model = &model,
                        .options = options,
                        .places = places,
                        .contact_time = kMinutes,
@@ -87,6 +88,7 @@ TEST_F(PlanScene, RaisesTheErrorIfTheArmHasTooLittleTime) {
   EXPECT_EQ(plan.limit, PlanLimit::arm_time);
   EXPECT_EQ(plan.planned.contacts, 70);
   EXPECT_DOUBLE_EQ(plan.raised, plan.planned.error / 0.005);
+  EXPECT_FALSE(plan.is_met());
   EXPECT_EQ(this->plan({}, 70.5 * kMinutes).planned.contacts, 70);
 }
 
@@ -122,6 +124,22 @@ TEST_F(PlanScene, SharesTheTimeOfTheArmByRaisingAllErrorsAlike) {
   EXPECT_EQ(plan_scene(objects, wanted)[0].limit, PlanLimit::force_error);
 }
 
+TEST_F(PlanScene, DividesTheContactsThatNothingAsksFor) {
+  const std::vector<ObjectNeeds> objects{needs({}, 100 * kMinutes), needs({})};  // 100 and 60
+  const std::vector<ObjectPlan> plans = plan_scene(objects, 80 * kMinutes);
+  EXPECT_NEAR(plans[0].planned.contacts, 50, 1);
+  EXPECT_NEAR(plans[1].planned.contacts, 30, 1);
+  EXPECT_EQ(plan_scene(objects, 6 * kMinutes)[0].planned.contacts, 3);
+}
+
+TEST_F(PlanScene, KnowsWhetherTheModelMeetsTheRequirement) {
+  const double error = ErrorForecast(model, {.largest_depth = 4, .strokes = kStrokes}).at_present();
+  EXPECT_TRUE(plan({.max_error = 1.01 * error}).is_met());
+  EXPECT_FALSE(plan({.max_error = 0.99 * error}).is_met());
+  EXPECT_FALSE(plan({.max_error = 1.01 * error, .max_size = 1e5}).is_met());
+  EXPECT_FALSE(plan({}).is_met());
+}
+
 TEST_F(PlanScene, ForetellsTheSizeOfAModelWithMoreContacts) {
   const ObjectPlan plan = this->plan({}, 240.5 * kMinutes);
   EXPECT_NEAR(plan.planned.size, folder_size(planned_ball(240)),
@@ -130,9 +148,9 @@ TEST_F(PlanScene, ForetellsTheSizeOfAModelWithMoreContacts) {
 
 TEST_F(PlanScene, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal([&] { return plan({.max_error = 0.1}, 600); }),
-              HasSubstr("arm_time of 0.167 h is too little: three contacts"));
+              HasSubstr("object 'ball': arm_time of 0.167 h is too little: three contacts"));
   EXPECT_THAT(refusal([&] { return plan_scene(std::vector{needs({.max_error = 0.1})}, 600); }),
-              HasSubstr("arm_time of the scene is 0.167 h, too little"));
+              HasSubstr("arm_time of the scene is 0.167 h, too little: three contacts of each"));
   places.resize(2);
   EXPECT_THAT(refusal([&] { return plan({.max_error = 0.1}); }),
               HasSubstr("there are 2 places for contacts"));

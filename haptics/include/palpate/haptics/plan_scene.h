@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "palpate/haptics/reduce_model.h"
@@ -13,6 +14,7 @@ namespace palpate::haptics {
 
 /// An object of a scene of which a model exists.
 struct ObjectNeeds {
+  std::string name;              ///< for messages
   const Model* model = nullptr;  ///< of this object, or of a similar one
   ReduceOptions options;         ///< what is needed of its model
   /// [mm] Places for contacts on the model's surface, in an order of which each beginning covers
@@ -43,24 +45,32 @@ enum class PlanLimit {
 
 /// How an object should be measured.
 struct ObjectPlan {
-  PlannedContacts present;           ///< as the model is
-  PlannedContacts planned;           ///< the fewest contacts that meet the requirements
-  PlannedContacts with_more;         ///< with an hour of the arm more than planned
-  std::optional<double> asked = {};  ///< [N] the allowed error
-  double raised = 1;                 ///< how many times larger the error is than allowed; >= 1
+  PlannedContacts present;             ///< as the model is
+  PlannedContacts planned;             ///< the fewest contacts that meet the requirements
+  PlannedContacts with_more;           ///< with an hour of the arm more than planned
+  bool is_reduced = false;             ///< whether less than the whole model is needed
+  std::optional<double> asked = {};    ///< [N] the allowed error
+  std::optional<double> allowed = {};  ///< [N] what is planned for: less if the model is reduced
+  double raised = 1;  ///< how many times larger the planned error is than `allowed`; >= 1
   PlanLimit limit = PlanLimit::none;
   double of_contacts = 0;              ///< [N] the error that no further contact removes
   std::vector<PlannedContacts> curve;  ///< of other numbers of contacts, ascending
+
+  /// Whether the contacts of the model meet the allowed error already.
+  [[nodiscard]] bool is_met() const { return allowed && present.error <= *allowed; }
 };
 
 /// Finds how many contacts each object of a scene needs. If the arm has not enough time for all
-/// objects, the errors of those that need more than they may are raised by a common factor.
+/// objects, the allowed errors of all of them are raised by a common factor, and the numbers of
+/// contacts of those without an allowed error are divided by it.
 ///
-/// A model whose size is limited will be reduced, which needs some of the allowed error: at most 1
-/// / 1.1 of it is planned for. An object without an allowed error takes its `arm_time`.
+/// A model whose size or surface error is limited, or which is needed in a region only, will be
+/// reduced. That needs a part of the allowed error: the plan is for 1 / 1.1 of it. An object
+/// without an allowed error takes its `arm_time`; without that, the contacts that its model has.
+/// The error is taken to fall with the number of contacts.
 /// \param arm_time [s] for all objects; > 0.
-/// \throws InvalidInput as `ErrorForecast`, if there are fewer than three places or too little time
-/// for three contacts of each object, or a time is not > 0.
+/// \throws InvalidInput, naming the object, as `ErrorForecast`, if there are fewer than three places
+/// or too little time for three contacts, or a time is not > 0.
 [[nodiscard]] std::vector<ObjectPlan> plan_scene(std::span<const ObjectNeeds> objects,
                                                  std::optional<double> arm_time = std::nullopt);
 
