@@ -10,6 +10,7 @@
 
 #include "base/numbers.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/robust_weights.h"
 
 namespace palpate::geometry {
 namespace {

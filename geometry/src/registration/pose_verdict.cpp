@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/numbers.h"
+#include "palpate/geometry/robust_weights.h"
 #include "registration/pose_search.h"
 
 namespace palpate::geometry {
@@ -74,21 +75,6 @@ std::vector<Trial> try_weak_motions(const RegistrationTarget::Impl& target,
                             median_after(target, moved, problem, -step, min_overlap))});
   }
   return trials;
-}
-
-std::string describe(const Eigen::Vector3d& rotation, const Eigen::Vector3d& translation,
-                     double radius) {
-  const auto direction = [](const Eigen::Vector3d& v) {
-    const Eigen::Vector3d unit = v.normalized();
-    return fmt::format("({:.2f}, {:.2f}, {:.2f})", unit.x(), unit.y(), unit.z());
-  };
-  constexpr double kMixed =
-      0.1;  // a component is named iff it moves the points by this share of the others
-  const double turned = rotation.norm() * radius;
-  const double shifted = translation.norm();
-  if (turned < kMixed * shifted) return "a shift along " + direction(translation);
-  if (shifted < kMixed * turned) return "a turn about " + direction(rotation);
-  return "a turn about " + direction(rotation) + " with a shift along " + direction(translation);
 }
 
 /// Converts to the world's units: rotation in radians, translation in mm. A free motion gets the
@@ -173,6 +159,21 @@ Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double
 
 }  // namespace
 
+std::string describe_motion(const Eigen::Vector3d& rotation, const Eigen::Vector3d& translation,
+                            double radius) {
+  const auto direction = [](const Eigen::Vector3d& v) {
+    const Eigen::Vector3d unit = v.normalized();
+    return fmt::format("({:.2f}, {:.2f}, {:.2f})", unit.x(), unit.y(), unit.z());
+  };
+  constexpr double kMixed =
+      0.1;  // a component is named iff it moves the points by this share of the others
+  const double turned = rotation.norm() * radius;
+  const double shifted = translation.norm();
+  if (turned < kMixed * shifted) return "a shift along " + direction(translation);
+  if (shifted < kMixed * turned) return "a turn about " + direction(rotation);
+  return "a turn about " + direction(rotation) + " with a shift along " + direction(translation);
+}
+
 double inlier_deviation(const RegistrationTarget::Impl& target, const Eigen::VectorXd& distances,
                         double fraction) {
   return std::max(deviation_of_median(rank_quantile(distances, fraction)),
@@ -216,7 +217,7 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
       motion.rotation = kTrialLength * trial.motion.head<3>();
       motion.translation = length * trial.motion.tail<3>() / target.scale;
       motion.description =
-          describe(motion.rotation, motion.translation, problem.radius / target.scale);
+          describe_motion(motion.rotation, motion.translation, problem.radius / target.scale);
       result.free_motions.push_back(motion);
       free.push_back(trial.motion);
     }

@@ -16,6 +16,7 @@
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "palpate/core/work_steps.h"
+#include "palpate/geometry/robust_weights.h"
 #include "registration/pose_search.h"
 #include "registration/pose_verdict.h"
 #include "registration/registration_pcl.h"
@@ -355,6 +356,15 @@ Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                              const TriangleMesh& target, const RegistrationOptions& options) {
   check_options(options);
   return register_to(RegistrationTarget::Impl(target, TargetUse::once), points, options);
+}
+
+TargetPlanes planes_at(const RegistrationTarget& target,
+                       const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
+  const RegistrationTarget::Impl& surface = target.impl();
+  Pairing pairing = surface.pair((points.colwise() - surface.centre) * surface.scale);
+  return {.normals = std::move(pairing.normals),
+          .heights = pairing.heights / surface.scale,
+          .usable = std::move(pairing.usable)};
 }
 
 const char* to_string(RegistrationVerdict verdict) {

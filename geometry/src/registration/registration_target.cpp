@@ -16,6 +16,7 @@
 #include "palpate/core/error.h"
 #include "palpate/core/module.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/require.h"
 #include "registration/registration_pcl.h"
 
 namespace palpate::geometry {
@@ -73,16 +74,18 @@ const VertexClouds& vertex_clouds() {
 
 }  // namespace
 
-RegistrationTarget::Impl::Impl(const TriangleMesh& surface, TargetUse use)
-    : Impl(surface, local_frame(bounding_box(checked(surface))), use) {}
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, TargetUse use, double standoff_mm)
+    : Impl(surface, local_frame(bounding_box(checked(surface))), use, standoff_mm) {}
 
-RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame, TargetUse use)
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame, TargetUse use,
+                               double standoff_mm)
     : centre(frame.centre),
       scale(frame.scale),
       // The points of a single use are too few to pay for a better tree.
       tree({.vertices = frame.to_local(surface.vertices), .triangles = surface.triangles},
            use == TargetUse::often ? TreeBuild::thorough : TreeBuild::quick),
-      diagonal(bounding_diagonal(tree.mesh())) {
+      diagonal(bounding_diagonal(tree.mesh())),
+      standoff(standoff_mm * frame.scale) {
   if (use == TargetUse::often) (void)grid();
   find_border();
 }
@@ -173,10 +176,20 @@ void RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points, double slack
         pairing.usable[i] = false;
         continue;
       }
-      const Eigen::Vector3d normal = pairing.normals.col(i);
-      const Eigen::Vector3d foot = point_on(known.corners, nearest.barycentric);
-      pairing.heights[i] = normal.dot(point - foot) / tree.scale();
-      pairing.distances[i] = std::sqrt(nearest.squared_distance) / tree.scale();
+      Eigen::Vector3d normal = pairing.normals.col(i);
+      if (standoff > 0) normal = unit_normal(known.corners);
+      const Eigen::Vector3d way = point - point_on(known.corners, nearest.barycentric);
+      double height = normal.dot(way);
+      double distance = std::sqrt(nearest.squared_distance);
+      if (standoff > 0) {
+        const double side = height < 0 ? -1 : 1;
+        if (distance > 0) normal = side / distance * way;
+        pairing.normals.col(i) = normal;
+        height = side * distance - standoff * tree.scale();
+        distance = std::abs(height);
+      }
+      pairing.heights[i] = height / tree.scale();
+      pairing.distances[i] = distance / tree.scale();
       pairing.usable[i] = normal.allFinite() && !is_on_border({.triangle = known.triangle,
                                                                .barycentric = nearest.barycentric});
     }
@@ -191,8 +204,9 @@ void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,
     const Eigen::Vector3d foot = surfel.position.cast<double>();
     const Eigen::Vector3d normal = surfel.normal.cast<double>();
     const Eigen::Vector3d way = points.col(i) - foot;
-    const double height = normal.dot(way);
-    const double distance = way.norm();
+    const double above = normal.dot(way);
+    const double height = above - standoff;
+    const double distance = std::abs((above < 0 ? -1 : 1) * way.norm() - standoff);
     const bool is_far = distance > 2 * map.cell_size();
     pairing.normals.col(i) = normal;
     pairing.heights[i] = height;
@@ -210,7 +224,8 @@ const SurfelGrid& RegistrationTarget::Impl::grid() const {
 const VertexCloud& RegistrationTarget::Impl::vertex_cloud() const {
   std::call_once(cloud_made_, [this] {
     const TriangleMesh used = compact(tree.mesh()).mesh;
-    cloud_ = vertex_clouds().create(used.vertices, vertex_normals(used));
+    const Eigen::Matrix3Xd normals = vertex_normals(used);
+    cloud_ = vertex_clouds().create(used.vertices + standoff * normals, normals);
   });
   return *cloud_;
 }
@@ -221,7 +236,9 @@ Eigen::Isometry3d RegistrationTarget::Impl::to_world(const Eigen::Isometry3d& lo
   return world;
 }
 
-RegistrationTarget::RegistrationTarget(const TriangleMesh& mesh)
-    : impl_(std::make_shared<const Impl>(mesh, TargetUse::often)) {}
+RegistrationTarget::RegistrationTarget(const TriangleMesh& mesh, double standoff) {
+  require("RegistrationTarget: standoff", standoff, at_least(0).finite(), "mm");
+  impl_ = std::make_shared<const Impl>(mesh, TargetUse::often, standoff);
+}
 
 }  // namespace palpate::geometry

@@ -43,11 +43,13 @@ struct TrackedPairing {
 enum class TargetUse { once, often };
 
 struct RegistrationTarget::Impl {
-  Impl(const TriangleMesh& mesh, TargetUse use);
+  /// \param standoff_mm see RegistrationTarget
+  Impl(const TriangleMesh& mesh, TargetUse use, double standoff_mm = 0);
   ~Impl();
 
   /// Nearest points of the surface. A point is beside the surface if its nearest point is on the
-  /// border.
+  /// border. With a standoff, the planes are those of the surface in this distance, and across the
+  /// way from the nearest point of the surface itself.
   [[nodiscard]] Pairing pair(const Eigen::Matrix3Xd& points) const;
   /// The same for points on their way.
   /// \param slack other triangles are looked for up to this much farther away than the nearest.
@@ -65,9 +67,10 @@ struct RegistrationTarget::Impl {
   double scale;      ///< local = (world - centre) * scale
   SurfaceTree tree;  ///< of the target in the local frame
   double diagonal;   ///< local frame
+  double standoff;   ///< local frame
 
  private:
-  Impl(const TriangleMesh& surface, const LocalFrame& frame, TargetUse use);
+  Impl(const TriangleMesh& surface, const LocalFrame& frame, TargetUse use, double standoff_mm);
   void find_border();
   [[nodiscard]] Nearest search(const Eigen::Vector3d& point, int guess, double slack,
                                TrackedTriangle& tracked) const;

@@ -9,6 +9,7 @@
 
 #include "base/rigid_motion.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/geometry/robust_weights.h"
 
 namespace palpate::geometry {
 namespace {
@@ -50,20 +51,6 @@ void Pairing::resize(Eigen::Index count) {
   heights.resize(count);
   distances.resize(count);
   usable.resize(count);
-}
-
-double deviation_of_median(double median) {
-  // Half of a normal distribution lies within 0.6745 deviations, of which this is the inverse.
-  constexpr double kDeviationOfMedian = 1.4826;
-  return kDeviationOfMedian * median;
-}
-
-double tukey_weight(double distance, double deviation) {
-  constexpr double kCutOff = 4.685;
-  const double ratio = distance / (kCutOff * deviation);
-  if (!(ratio < 1)) return 0;
-  const double root = 1 - ratio * ratio;
-  return root * root;
 }
 
 RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairing,

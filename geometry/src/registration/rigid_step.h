@@ -20,12 +20,6 @@ struct Pairing {
   void resize(Eigen::Index count);
 };
 
-/// Standard deviation of a normal distribution of which half is within `median` of zero.
-[[nodiscard]] double deviation_of_median(double median);
-
-/// Tukey's biweight: 1 for a pair that fits, 0 beyond 4.685 deviations.
-[[nodiscard]] double tukey_weight(double distance, double deviation);
-
 /// The weighted point-to-plane problem at one pose. A small motion of the points is a 6-vector of
 /// lengths (rotation about `centre` times `radius`, translation), so that a unit of each component
 /// moves the points by about the same length.

@@ -14,6 +14,8 @@
 #include "mesh_corpus.h"
 #include "not_finite.h"
 #include "palpate/core/error.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/surface_query.h"
 #include "refusal.h"
 #include "registration/registration_testing.h"
 #include "test_surfaces.h"
@@ -75,6 +77,55 @@ TEST(RegisterPoints, OfContactsOnARangeMapIsRightFromThirtyDegreesAndSixtyMillim
       EXPECT_LT((found.T_target_source * off * truth - truth).colwise().norm().mean(), 1) << seed;
     }
   }
+}
+
+/// Centres of balls that touch a surface from the side of its normals, at random places.
+Matrix3Xd touching_balls(const TriangleMesh& surface, double radius, int count, unsigned seed) {
+  const SurfaceQuery query(surface);
+  const Matrix3Xd normals = vertex_normals(surface);
+  Matrix3Xd centres(3, count);
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<Eigen::Index> any(0, surface.vertices.cols() - 1);
+  for (int i = 0; i < count;) {
+    const Eigen::Index vertex = any(random);
+    const Vector3d place = surface.vertices.col(vertex);
+    // Inside the border, which a ball beside the surface would touch.
+    if (place.x() < 8 || place.x() > 97 || place.y() < 8 || place.y() > 76) continue;
+    // Along the normal to where the nearest point is as far as the radius.
+    double low = 0, high = 3 * radius;
+    for (int halving = 0; halving < 60; ++halving) {
+      const double middle = (low + high) / 2;
+      const double distance = query.closest_point(place + middle * normals.col(vertex)).distance;
+      (distance < radius ? low : high) = middle;
+    }
+    centres.col(i++) = place + low * normals.col(vertex);
+  }
+  return centres;
+}
+
+TEST(RegisterPoints, WithAStandoffPlacesBallsThatTouchTheSurface) {
+  const TriangleMesh surface = bumpy_surface();
+  constexpr double kRadius = 3;
+  const RegistrationTarget target(surface, kRadius), bare(surface);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Matrix3Xd truth = touching_balls(surface, kRadius, 60, seed);
+    const Matrix3Xd moved = random_motion(25 * kDegree, seed) * truth;
+    const Registration found = register_points(moved, target);
+    EXPECT_EQ(found.verdict, RegistrationVerdict::accepted) << found.reason;
+    EXPECT_LT(largest_distance(found.T_target_source * moved, truth), kFound) << seed;
+    EXPECT_LT(found.rms, kFound);
+    EXPECT_GT(register_points(moved, bare).rms, 0.05);
+  }
+}
+
+TEST(RegisterPoints, WithAStandoffDistinguishesTheSidesOfASurface) {
+  TriangleMesh surface = bumpy_surface();
+  const Matrix3Xd truth = touching_balls(surface, 3, 60, 1);
+  surface.triangles.row(1).swap(surface.triangles.row(2));
+  const Registration found = register_points(truth, RegistrationTarget(surface, 3));
+  EXPECT_FALSE(found.verdict == RegistrationVerdict::accepted && found.rms < 0.3);
+  EXPECT_EQ(refusal([&] { (void)RegistrationTarget(surface, -1); }),
+            "RegistrationTarget: standoff is -1 mm; it must be >= 0 and finite");
 }
 
 TEST(RegisterPoints, WithPclsMethodsFindsTheMotionOntoVertices) {

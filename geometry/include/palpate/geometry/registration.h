@@ -101,11 +101,15 @@ struct Registration {
 };
 
 /// A mesh prepared for registration: search trees and a coarse map of the nearest surface. Copies
-/// share this data; const use is thread-safe.
+/// share this data; const use is thread-safe. With a standoff, `Registration` states distances from
+/// the places at this distance from the surface.
 class RegistrationTarget {
  public:
-  /// \throws InvalidInput if the mesh is not valid, or no triangle has an area.
-  explicit RegistrationTarget(const TriangleMesh& mesh);
+  /// \param standoff [mm] >= 0: the points belong this far from the surface, on the side to which
+  /// its normals point. Centres of balls that touch it have the radius of the balls.
+  /// \throws InvalidInput if the mesh is not valid, no triangle has an area, or `standoff` is
+  /// outside its range.
+  explicit RegistrationTarget(const TriangleMesh& mesh, double standoff = 0);
 
   struct Impl;
   [[nodiscard]] const Impl& impl() const { return *impl_; }  ///< for the library itself
@@ -134,6 +138,24 @@ class RegistrationTarget {
 [[nodiscard]] Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                            const TriangleMesh& target,
                                            const RegistrationOptions& options = {});
+
+/// The planes of a target at the nearest places to points, one column per point.
+struct TargetPlanes {
+  Eigen::Matrix3Xd normals;  ///< unit
+  Eigen::VectorXd heights;   ///< [mm] of the points above the planes, signed
+  /// False if the point lies beside the surface, or has no nearest place.
+  Eigen::Array<bool, Eigen::Dynamic, 1> usable;
+};
+
+/// The planes to which `register_points` moves points.
+/// \param points 3 x N [mm], in the frame of the target.
+[[nodiscard]] TargetPlanes planes_at(const RegistrationTarget& target,
+                                     const Eigen::Ref<const Eigen::Matrix3Xd>& points);
+
+/// A small motion in words: "a shift along (1.00, 0.00, 0.00)", "a turn about ...".
+/// \param radius [mm] typical distance of the points from the centre of the rotation [rad].
+[[nodiscard]] std::string describe_motion(const Eigen::Vector3d& rotation,
+                                          const Eigen::Vector3d& translation, double radius);
 
 /// Name of a verdict as in the enumeration.
 [[nodiscard]] const char* to_string(RegistrationVerdict verdict);

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "palpate/geometry/eigen_alignment.h"
+
+namespace palpate::geometry {
+
+/// A ball of known radius in a view of a scene.
+struct SeenBall {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [mm]
+  /// How much better some coordinates of the centre are known than others: the mean of n n^T over
+  /// the points on the ball with their weights, where n points from the centre to the point. Its
+  /// trace is 1. The covariance of the centre is its inverse times a variance.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  int points = 0;  ///< on the ball
+  double rms = 0;  ///< [mm] of their distances from the sphere
+  /// [mm] Radius of the sphere that fits the points best; tells whether the given one is right.
+  double radius = 0;
+};
+
+/// Finds the ball of a known radius of which part is seen in a cloud of points, beside anything
+/// else. Each point is a vote for the place in the depth of the radius below it: those of the ball
+/// agree. From the places with most votes, a sphere of this radius is fitted to the points whose
+/// normals agree with it, by least squares of their distances from it; outliers are weighted down
+/// (Tukey). The sphere with most points on it is taken.
+///
+/// \param points 3 x N [mm]; those with a coordinate or normal that is not finite are left out.
+/// \param normals 3 x N, unit, towards the camera, which is at the origin. They need not be exact.
+/// \return none if fewer than 30 points are on the ball, these do not determine its centre, their
+/// distances from it are larger than a twentieth of the radius (RMS), no sphere fits them best, or
+/// the camera sees more of other things than of the ball in its middle.
+/// \throws InvalidInput unless radius > 0 and there are as many normals as points.
+[[nodiscard]] std::optional<SeenBall> find_ball(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                                const Eigen::Ref<const Eigen::Matrix3Xd>& normals,
+                                                double radius);
+
+}  // namespace palpate::geometry
