@@ -218,6 +218,22 @@ std::string read_arm_setup_text(const std::filesystem::path& path) {
   return text;
 }
 
+std::string with_pose(const std::string& text, const std::string& source,
+                      const Eigen::Isometry3d& T_world_base) {
+  static_cast<void>(parse_arm_setup(text, source));
+  auto setup = nlohmann::ordered_json::parse(text);
+  auto rows = nlohmann::ordered_json::array();
+  for (const auto& row : T_world_base.matrix().topRows<3>().rowwise())
+    rows.push_back({row[0], row[1], row[2], row[3]});
+  setup["pose"] = rows;
+  std::string result;
+  for (const auto& [name, value] : setup.items()) {
+    result += result.empty() ? "{" : ",\n ";
+    result.append(nlohmann::json(name).dump()).append(": ").append(value.dump());
+  }
+  return result + "}\n";
+}
+
 Eigen::Isometry3d mount_over(const geometry::TriangleMesh& surface, const ArmGeometry& geometry) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (Eigen::Index i = 0; i < surface.triangles.cols(); ++i) {

@@ -89,5 +89,24 @@ TEST(ArmSetup, AMountedArmStandsUprightOverTheSurfaceAndSweepsAboveIt) {
   }
 }
 
+TEST(ArmSetup, TakesAnotherPoseAndKeepsAllElse) {
+  const std::string text =
+      R"({"structure": 3.25, "driver": {"port": "/dev/tty\u00fc"}, "pose": [[1, 0, 0, 1], [0, 1, 0, 2],
+          [0, 0, 1, 3]], "calibration": {"angles": 9}})";
+  Eigen::Isometry3d pose(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()));
+  pose.translation() << 0.1, -200, 1e-7;
+  const std::string changed = with_pose(text, "arm.json", pose);
+  const ArmSetup setup = parse_arm_setup(changed, "arm.json");
+  EXPECT_EQ(setup.prober.T_world_base.matrix(), pose.matrix());
+  EXPECT_EQ(setup.prober.structure, 3.25);
+  EXPECT_EQ(setup.prober.calibration.angles, 9);
+  EXPECT_EQ(setup.driver.at("port"), "/dev/tty\u00fc");
+  EXPECT_EQ(changed.find("structure"), 2U);  // the members stay in their order
+  EXPECT_TRUE(parse_arm_setup(with_pose("{}", "arm.json", pose), "arm.json").knows_pose);
+  EXPECT_EQ(refusal([&] { (void)with_pose("[1]", "arm.json", pose); }).substr(0, 8), "arm.json");
+  EXPECT_EQ(refusal([&] { (void)with_pose(R"({"pole": 1})", "arm.json", pose); }).substr(0, 16),
+            "arm.json: 'pole'");
+}
+
 }  // namespace
 }  // namespace palpate::probing

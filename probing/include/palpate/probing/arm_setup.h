@@ -37,6 +37,11 @@ struct ArmSetup {
 /// The text of such a file. \throws FileError if it cannot be read.
 [[nodiscard]] std::string read_arm_setup_text(const std::filesystem::path& path);
 
+/// The text of a setup with another pose; all other members stay as they are.
+/// \throws FileError if `text` is no setup.
+[[nodiscard]] std::string with_pose(const std::string& text, const std::string& source,
+                                    const Eigen::Isometry3d& T_world_base);
+
 /// The pose of the base from which an arm with these links reaches most of a surface from outside:
 /// upright over its mean normal, the surface's longer side across the arm, in the middle of its
 /// range and below the sweeps of `sweeps_above_surface`.

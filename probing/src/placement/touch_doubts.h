@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "palpate/geometry/registration.h"
+#include "palpate/probing/touch_placement.h"
+
+namespace palpate::probing {
+
+/// Registers touches to the surface, from the rough pose or from everywhere.
+[[nodiscard]] geometry::Registration search_touches(const Eigen::Matrix3Xd& tips,
+                                                    const geometry::TriangleMesh& surface,
+                                                    const geometry::RegistrationTarget& target,
+                                                    const TouchPlacementOptions& options);
+
+/// Why these cannot be touches of this surface, whatever the pose: another unit.
+[[nodiscard]] std::optional<std::string> impossible_touches(const Eigen::Matrix3Xd& tips,
+                                                            const geometry::TriangleMesh& surface);
+
+/// If the touches do not fit, looks whether they would fit in another way: mirrored, on the other
+/// side of the surface, in another unit, or from the inverse of the start pose. If so, the pose is
+/// not determined, and the reason says why.
+void explain_misfit(const Eigen::Matrix3Xd& tips, const geometry::TriangleMesh& surface,
+                    const geometry::RegistrationTarget& target,
+                    const TouchPlacementOptions& options, const geometry::Registration& found,
+                    ArmPlacement& placement);
+
+}  // namespace palpate::probing
