@@ -26,6 +26,7 @@ void add_scans(py::module_& module);
 void add_tracking(py::module_& module);
 void add_sensing(py::module_& module);
 void add_probing(py::module_& module);
+void add_arm_placement(py::module_& module);
 void add_simulation(py::module_& module);
 void add_fitting(py::module_& module);
 void add_evaluation(py::module_& module);

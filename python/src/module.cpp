@@ -80,6 +80,7 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_tracking(module);
   python::add_sensing(module);
   python::add_probing(module);
+  python::add_arm_placement(module);
   python::add_fitting(module);
   python::add_evaluation(module);
   python::add_derived_models(module);

@@ -74,6 +74,7 @@ void add_trade(CLI::App& app, const Settings& settings);
 void add_transfer(CLI::App& app, const Settings& settings);
 
 // Each function adds one kind of calibration to `palpate calibrate`.
+void add_calibrate_arm(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_colors(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_crosstalk(CLI::App& calibrate, const Settings& settings);

@@ -12,13 +12,15 @@ namespace {
 
 void add_calibrate(CLI::App& app, const Settings& settings) {
   CLI::App* calibrate = app.add_subcommand(
-      "calibrate", "Calibrate rig, response, colours, crosstalk or chromatic aberration");
+      "calibrate",
+      "Calibrate rig, response, colours, crosstalk or chromatic aberration, or place an arm");
   calibrate->require_subcommand(1);
   add_calibrate_rig(*calibrate, settings);
   add_calibrate_colors(*calibrate, settings);
   add_calibrate_chromatic(*calibrate, settings);
   add_calibrate_response(*calibrate, settings);
   add_calibrate_crosstalk(*calibrate, settings);
+  add_calibrate_arm(*calibrate, settings);
 }
 
 using AddCommand = void (*)(CLI::App& app, const Settings& settings);
