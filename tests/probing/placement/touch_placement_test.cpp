@@ -248,11 +248,23 @@ TEST(PlaceByTouches, SaysWhatIsWrongWithPositionsThatCannotFit) {
   Matrix3Xd left_handed = tips;
   left_handed.row(1) *= -1;
   EXPECT_THAT(reason_of(left_handed, surface, anywhere), HasSubstr("left-handed"));
+  EXPECT_THAT(reason_of(tips.leftCols(2), surface, anywhere), HasSubstr("2 touches"));
+  EXPECT_THAT(reason_of(tips.leftCols(10), surface, anywhere), HasSubstr("it takes 16"));
+}
+
+TEST(PlaceByTouches, SaysWhatIsWrongWithAStartOrASurface) {
+  const TriangleMesh surface = hilly(0, 1);
+  const Matrix3Xd tips = stand().inverse() * touches_of(surface, 40, 4, 1);
+  const TouchPlacementOptions anywhere{.tip_radius = kTip};
   TouchPlacementOptions swapped = anywhere;
   swapped.T_camera_base_start = stand().inverse();
   EXPECT_THAT(reason_of(tips, surface, swapped), HasSubstr("the inverse of the start pose"));
-  EXPECT_THAT(reason_of(tips.leftCols(2), surface, anywhere), HasSubstr("2 touches"));
-  EXPECT_THAT(reason_of(tips.leftCols(10), surface, anywhere), HasSubstr("it takes 16"));
+  TouchPlacementOptions far = anywhere;
+  far.T_camera_base_start = Eigen::Translation3d(90, 0, 60) * stand();
+  EXPECT_THAT(reason_of(tips, surface, far), HasSubstr("farther from the start pose"));
+  TriangleMesh inside_out = surface;
+  inside_out.triangles.row(1).swap(inside_out.triangles.row(2));
+  EXPECT_THAT(reason_of(tips, inside_out, anywhere), HasSubstr("the other side of the surface"));
 }
 
 TEST(PlaceByTouches, DoubtsARadiusAndAFrameThatDoNotSuitTheTouches) {
