@@ -24,7 +24,9 @@
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/trajectory_file.h"
 #include "probing/report_page.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "whole/run_calls.h"
 #include "whole/trade_plot.h"
@@ -38,6 +40,7 @@ using Words = std::vector<std::string>;
 
 struct TradeCall {
   fs::path data, surface, queries, trajectory, output;
+  std::optional<int> strokes;
 };
 
 /// What one setting gives and costs.
@@ -171,8 +174,9 @@ void add_reductions(Sweep& sweep, Trade& trade, const TradeCall& call, const fs:
                                 : sweep.against_queries(result);
   };
   const auto add = [&](const std::string& option, double value) {
-    return sweep.add(trade, {"reduce", model.string()}, {option, fmt::format("{:.3g}", value)},
-                     result, error);
+    Words settings{option, fmt::format("{:.3g}", value)};
+    if (call.strokes) settings.insert(settings.end(), {"--strokes", std::to_string(*call.strokes)});
+    return sweep.add(trade, {"reduce", model.string()}, settings, result, error);
   };
   std::optional<double> stated;
   if (const auto first = add("--max-relative-error", kShares.back());
@@ -383,6 +387,11 @@ void add_trade(CLI::App& app, const Settings& settings) {
   command->add_option(
       "--trajectory", call->trajectory,
       "Path of a tool (CSV): the time of a step of the haptic loop is measured, too");
+  command
+      ->add_option("--strokes", call->strokes,
+                   "Number of random presses that measure reduced models; see 'palpate reduce'")
+      ->check(within(at_least(100).at_most(1'000'000)))
+      ->group(kExpertOptions);
   command->footer(
       "Each line ends with the options that give it.\n"
       "Examples:\n  palpate trade acquisition.db --surface surface.ply -o trade/\n"
