@@ -128,7 +128,7 @@ TEST_F(Plan, JudgesTheModelByItsErrorNotByTheNumberOfContacts) {
 
 TEST_F(Plan, WritesNoProjectIfThereIsNothingToDo) {
   require("force_error: 0.5 N");
-  EXPECT_THAT(plan({"-o", scratch / "project.yaml"}).out, HasSubstr("There is nothing to do"));
+  EXPECT_THAT(plan({"-o", scratch / "project.yaml"}).out, HasSubstr("no project is written"));
   EXPECT_FALSE(std::filesystem::exists(scratch / "project.yaml"));
 }
 

@@ -121,9 +121,9 @@ TEST(Trade, RefusesWhatDoesNotBelongTogether) {
     EXPECT_FALSE(fs::exists(scratch / "trade"));
     return result.err;
   };
-  EXPECT_THAT(refused({mesh, "--surface", mesh}), HasSubstr("--surface: is only for"));
+  EXPECT_THAT(refused({mesh, "--surface", mesh}), HasSubstr("--surface: is allowed only for"));
   EXPECT_THAT(refused({mesh, "--queries", demo("sheet/queries.csv")}),
-              HasSubstr("--queries, --trajectory: are only for"));
+              HasSubstr("--queries, --trajectory: are allowed only for"));
   EXPECT_THAT(refused({scratch / "nothing.ply"}), HasSubstr("nothing.ply"));
   write_text(scratch / "broken.db", "no database");
   EXPECT_THAT(refused({scratch / "broken.db"}), HasSubstr("broken.db"));

@@ -73,7 +73,7 @@ double contact_time(const probing::ContactPlan& plan, const fs::path& acquisitio
   const probing::CampaignProgress at = before.progress();
   if (at.contacts_done == 0) {
     throw InvalidInput(acquisition.string() +
-                       ": no contact is done; without --acquisition, the usual times are taken");
+                       ": no contact is complete; without --acquisition, 12 s are assumed for each trial");
   }
   const probing::PlanOptions &was = before.plan().options, &now = plan.options;
   if (was.levels == now.levels && was.directions == now.directions)
@@ -130,8 +130,8 @@ haptics::ObjectNeeds needs_of(const PlanSceneCall& call, PlannedObject& object) 
       static_cast<double>(plan.excluded[oblique]) >
           kMuchOfTheSurface * static_cast<double>(object.model.surface.vertices.cols())) {
     spdlog::warn(
-        "{}: {} of {} vertices are turned away from the sensor and cannot be probed; the errors "
-        "there count. Limit the region in the scene file, or set --sensor or --view-angle",
+        "{}: {} of {} vertices are turned away from the sensor and cannot be probed, but their "
+        "errors are included. Limit the region in the scene file, or set --sensor or --view-angle",
         object.requirement.object, plan.excluded[oblique], object.model.surface.vertices.cols());
   }
   object.places = plan.contacts;
@@ -181,9 +181,8 @@ std::string row(const haptics::PlannedContacts& of, const char* note) {
 std::string in_words(const haptics::SceneRequirement& requirement,
                      const haptics::ObjectPlan& plan) {
   std::string words = fmt::format(
-      "{} ({}): an error of {} is expected with the present {} contacts. The errors of the "
-      "contacts "
-      "themselves contribute {}.\n  contacts      error  arm [h]  model [kB]\n",
+      "{} ({}): an error of {} is expected with the present {} contacts; the contacts themselves "
+      "contribute {}. With newly planned contacts:\n  contacts      error  arm [h]  model [kB]\n",
       requirement.object, requirement.model.string(), newtons(plan.present.error, 3),
       plan.present.contacts, newtons(plan.of_contacts, 3));
   std::vector<haptics::PlannedContacts> points = plan.curve;
@@ -196,13 +195,13 @@ std::string in_words(const haptics::SceneRequirement& requirement,
     words += row(point, point.contacts == plan.planned.contacts ? "  planned" : "");
   words += decided_by(plan);
   if (plan.is_reduced && plan.asked) {
-    words += fmt::format(" Planned for {}: reducing the model needs the rest.",
+    words += fmt::format(" The plan aims at {}; the rest is reserved for reducing the model.",
                          newtons(*plan.allowed, 3));
   }
   if (plan.is_met()) {
     words += " The model meets the requirement already, if it is of this object.";
   } else if (plan.with_more.contacts > plan.planned.contacts) {
-    words += fmt::format(" One hour of the arm more: {} with {} contacts.",
+    words += fmt::format(" With one more hour of the arm: {} with {} contacts.",
                          newtons(plan.with_more.error, 3), plan.with_more.contacts);
   }
   if (const auto& size = requirement.options.max_size; size && plan.planned.size > *size)
@@ -214,7 +213,7 @@ void tell_raised(const haptics::SceneRequirement& requirement, const haptics::Ob
   if (!(plan.raised > 1)) return;
   const double own = std::pow(plan.of_contacts, 2), all = std::pow(plan.planned.error, 2);
   const char* why = own > all / 2
-                        ? " Most of it are the errors of the contacts themselves: more samples at "
+                        ? " Most of it comes from the contacts themselves: more samples at "
                           "each contact, or less noise, would help."
                         : "";
   spdlog::warn("{}: {} is expected, {:.3g} times the error that is planned for ({}). {}{}",
@@ -238,8 +237,8 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
     needs.push_back(needs_of(call, object));
     if (object.model.contacts.size() < kEnoughContacts) {
       spdlog::warn(
-          "{}: has {} contacts; from fewer than {}, the expected errors can be wrong by a factor "
-          "of five",
+          "{}: the model has {} contacts; with fewer than {}, the expected errors can be wrong by a "
+          "factor of four",
           object.requirement.model.string(), object.model.contacts.size(), kEnoughContacts);
     }
   }
@@ -266,7 +265,7 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
          .spacing = spacing_of(object.places, plans[selected].planned.contacts)},
         object.requirement, plans[selected]);
     if (text.empty()) {
-      words += "There is nothing to do, and no project to write.\n";
+      words += "Nothing has to be measured or reduced; no project is written.\n";
     } else {
       write_file(call.output, [&](std::ostream& out) { out << text; });
       figures["file"] = call.output.string();
@@ -290,14 +289,14 @@ void add_plan(CLI::App& app, const Settings& settings) {
   command->add_option("-o,--output", call->output,
                       "Project file to write, with the settings for 'palpate run'");
   command->add_option("--object", call->object,
-                      "Name of the object for which the project is (default: the only one)");
+                      "Object whose project is written (default: the only one)");
   command->add_option("--surface", call->surface,
                       "Mesh of the undeformed object for the project (default: that of the model)");
   command->add_option("--specimen", call->specimen,
                       "Simulated object that the project probes (JSON; docs/probing.md)");
   command->add_option("--acquisition", call->acquisition,
-                      "Store of a campaign that shows how long a contact takes (default: the usual "
-                      "times)");
+                      "Store of a campaign that shows how long a contact takes (default: 12 s for each "
+                      "trial)");
   add_fields(*command, fields_of(call->places), kPlaceOptions);
   add_sensor_option(*command, call->places.sensor);
   command->footer(

@@ -44,16 +44,16 @@ std::string decided_by(const haptics::ObjectPlan& plan) {
     case haptics::PlanLimit::force_error:
       return fmt::format("Decided by the allowed error of {}.", newtons(*plan.asked, 3));
     case haptics::PlanLimit::arm_time:
-      return "Decided by the time of the arm for this object.";
+      return "Limited by the arm time of this object.";
     case haptics::PlanLimit::scene_time:
-      return "Decided by the time of the arm for all objects.";
+      return "Limited by the arm time of all objects.";
     case haptics::PlanLimit::places:
-      return fmt::format("These are all {} places at which the tip can probe.",
+      return fmt::format("All {} positions that the tip can probe are used.",
                          plan.planned.contacts);
     case haptics::PlanLimit::none:
       break;
   }
-  return "Neither force_error nor arm_time is given: as many contacts as now.";
+  return "Neither force_error nor arm_time is given: the number of contacts stays the same.";
 }
 
 std::string project_of(const ProjectSource& source, const haptics::SceneRequirement& requirement,

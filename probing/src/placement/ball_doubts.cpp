@@ -56,14 +56,14 @@ std::optional<std::string> wrong_unit(const BallPoints& balls) {
   const double ratio = camera / arm;
   if (ratio < kOtherUnit && ratio > 1 / kOtherUnit) return std::nullopt;
   std::string text = fmt::format(
-      "the arm's positions are {:.3g} mm from their middle, and those of the ball {:.3g} mm "
-      "(medians)",
+      "the positions of the arm spread over {:.3g} mm, and those of the ball over {:.3g} mm (median "
+      "distance from the middle)",
       arm, camera);
   constexpr double kAbout = 1.5;
   for (const LengthUnit& unit : kOtherUnits)
     if (ratio < kAbout * unit.mm && ratio > unit.mm / kAbout)
       return text + fmt::format(": the positions seem to be in {}; give millimetres", unit.name);
-  return text + ": they do not belong together";
+  return text + ": the two sets do not match";
 }
 
 std::optional<std::string> wrong_hand(const BallPoints& balls) {
@@ -74,7 +74,7 @@ std::optional<std::string> wrong_hand(const BallPoints& balls) {
   if (!(agreed_pose(mirrored, balls.seen).median < kExplainsBalls * plain.median))
     return std::nullopt;
   return "the positions fit those of the ball only if they are mirrored: the axes of the base are "
-         "left-handed. One has the wrong sign, or two columns are exchanged";
+         "left-handed. One axis has the wrong sign, or two columns are exchanged";
 }
 
 }  // namespace

@@ -146,8 +146,8 @@ void doubt_frame(ArmPlacement& placement) {
       (placement.T_camera_base.inverse() * placement.centre - placement.centre).norm();
   if (moved < kStill && Eigen::AngleAxisd(placement.T_camera_base.linear()).angle() < kTurned) {
     placement.doubts.emplace_back(
-        "the pose hardly moves the positions: they are already in the frame of the camera; give "
-        "those in the frame of the arm's base");
+        "the pose is almost the identity: the positions are already in the frame of the camera; "
+        "give positions in the frame of the arm's base");
   }
 }
 

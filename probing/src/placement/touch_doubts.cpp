@@ -67,7 +67,7 @@ std::optional<std::string> impossible_touches(const Matrix3Xd& tips,
                                               const geometry::TriangleMesh& surface) {
   constexpr int kFewest = 3;  // that register_points takes
   if (tips.cols() < kFewest)
-    return fmt::format("there are {} touches; it takes at least {} to judge a pose", tips.cols(),
+    return fmt::format("there are {} touches; at least {} are needed", tips.cols(),
                        16);
   const double size = geometry::bounding_box(surface).diagonal().norm();
   const double ratio = largest_extent(tips) / size;
@@ -82,9 +82,7 @@ std::optional<std::string> impossible_touches(const Matrix3Xd& tips,
       return text + fmt::format(": the positions seem to be in {}; give millimetres", unit.name);
   }
   return text +
-         ": give touches all over the surface, in millimetres, and of the surface only the part "
-         "that is "
-         "touched";
+         ": touch the whole surface, give millimetres, and crop the surface to the touched part";
 }
 
 void explain_misfit(const Matrix3Xd& tips, const geometry::TriangleMesh& surface,

@@ -238,7 +238,7 @@ ArmPlacement place_by_touches(const Eigen::Ref<const Matrix3Xd>& tips,
         fmt::format("; at least {}, and more than half, must agree", kFewestTouches);
   if (found.verdict == slides && !placement.advice)
     placement.reason +=
-        "; no other touch of this surface would: take one whose normals differ more";
+        "; no other touch of this surface would help: use an object whose normals differ more";
   explain_misfit(tips, surface, target, options, found, placement);
   if (placement.determined) {
     doubt_frame(placement);

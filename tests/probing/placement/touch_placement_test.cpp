@@ -184,7 +184,7 @@ TEST(PlaceByTouches, SaysWhichMotionsAPlateAndABallLeaveFree) {
   EXPECT_FALSE(on_plate.determined);
   EXPECT_THAT(on_plate.reason, HasSubstr("the surface does not fix"));
   EXPECT_THAT(on_plate.reason, HasSubstr("a shift along"));
-  EXPECT_THAT(on_plate.reason, HasSubstr("no other touch of this surface would"));
+  EXPECT_THAT(on_plate.reason, HasSubstr("no other touch of this surface would help"));
   EXPECT_FALSE(on_plate.advice);
 
   TriangleMesh ball = geometry::test::icosphere(4, 40);

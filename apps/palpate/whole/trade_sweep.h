@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate::apps {
+
+/// Data whose settings are tried. Empty paths stand for what is not given.
+struct TradeData {
+  enum class Kind { acquisition, model, mesh };
+  Kind kind = Kind::mesh;
+  std::filesystem::path file, surface, queries, trajectory;
+  std::optional<int> strokes = {};  ///< of `reduce`
+};
+
+/// What one setting gives and costs.
+struct TradePoint {
+  std::string settings;  ///< the command without its files
+  double error = 0;
+  double bytes = 0;
+  double seconds = 0;               ///< of the command
+  std::optional<double> step = {};  ///< [us] of the haptic loop
+  bool best_by_size = false, best_by_time = false;
+};
+
+/// The points of a sweep, and what their errors are.
+struct Trade {
+  std::string error, unit;
+  std::vector<TradePoint> points;
+  std::vector<std::string> failures;
+};
+
+/// Calls the commands for some data with many settings, one after the other. Settings that give the
+/// same as earlier ones make no point.
+/// \param work an empty folder for what they write.
+/// \param told called with each point when it is there.
+/// \throws InvalidInput if `fit` with its defaults fails, or whatever is tried.
+[[nodiscard]] Trade try_settings(const TradeData& data, const std::filesystem::path& work,
+                                 const std::function<void(const Trade& trade)>& told);
+
+}  // namespace palpate::apps
