@@ -56,8 +56,8 @@ std::optional<std::string> wrong_unit(const BallPoints& balls) {
   const double ratio = camera / arm;
   if (ratio < kOtherUnit && ratio > 1 / kOtherUnit) return std::nullopt;
   std::string text = fmt::format(
-      "the positions of the arm spread over {:.3g} mm, and those of the ball over {:.3g} mm (median "
-      "distance from the middle)",
+      "the positions of the arm spread over {:.3g} mm, and those of the ball over {:.3g} mm "
+      "(median distance from the middle)",
       arm, camera);
   constexpr double kAbout = 1.5;
   for (const LengthUnit& unit : kOtherUnits)

@@ -67,8 +67,7 @@ std::optional<std::string> impossible_touches(const Matrix3Xd& tips,
                                               const geometry::TriangleMesh& surface) {
   constexpr int kFewest = 3;  // that register_points takes
   if (tips.cols() < kFewest)
-    return fmt::format("there are {} touches; at least {} are needed", tips.cols(),
-                       16);
+    return fmt::format("there are {} touches; at least {} are needed", tips.cols(), kFewestTouches);
   const double size = geometry::bounding_box(surface).diagonal().norm();
   const double ratio = largest_extent(tips) / size;
   if (ratio >= kTooSmall && ratio <= kTooLarge) return std::nullopt;

@@ -11,6 +11,9 @@
 
 namespace palpate::probing {
 
+/// As many as a registration needs to be judged.
+inline constexpr int kFewestTouches = 16;
+
 /// Registers touches to the surface, from the rough pose or from everywhere.
 [[nodiscard]] geometry::Registration search_touches(const Eigen::Matrix3Xd& tips,
                                                     const geometry::TriangleMesh& surface,

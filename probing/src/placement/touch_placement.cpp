@@ -35,9 +35,6 @@ constexpr int kMostTouchSteps = 20;
 
 constexpr int kPoseUnknowns = 6;
 
-/// As many as a registration needs to be judged.
-constexpr int kFewestTouches = 16;
-
 /// What slides is held only where the surface is inclined by 18 degrees against the motion (sine):
 /// less may be noise.
 constexpr double kRelief = 0.3;
