@@ -38,6 +38,8 @@ using Json = nlohmann::ordered_json;
 
 // [mm] Places at which contacts may be: closer ones, in radii of the tip, tell nothing new.
 constexpr double kLeastSpacing = 1;
+// Distances in space are rounded down by this factor.
+constexpr double kRoundedDown = 0.99;
 // An arm takes days for more.
 constexpr int kMostContacts = 1000;
 // With fewer contacts, a model tells less about errors with more of them (docs/plan.md).
@@ -72,8 +74,9 @@ double contact_time(const probing::ContactPlan& plan, const fs::path& acquisitio
   const probing::Campaign before = replayed(store, acquisition.string());
   const probing::CampaignProgress at = before.progress();
   if (at.contacts_done == 0) {
-    throw InvalidInput(acquisition.string() +
-                       ": no contact is complete; without --acquisition, 12 s are assumed for each trial");
+    throw InvalidInput(
+        acquisition.string() +
+        ": no contact is complete; without --acquisition, 12 s are assumed for each trial");
   }
   const probing::PlanOptions &was = before.plan().options, &now = plan.options;
   if (was.levels == now.levels && was.directions == now.directions)
@@ -140,13 +143,14 @@ haptics::ObjectNeeds needs_of(const PlanSceneCall& call, PlannedObject& object) 
   return needs;
 }
 
-// [mm] A little less than the smallest distance between the first of some places.
+// [mm] Smallest distance between the first of some places, rounded down: a plan with this spacing
+// has all of them.
 double spacing_of(const std::vector<probing::Contact>& places, int count) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
     for (std::size_t j = 0; j < i; ++j)
       least = std::min(least, (places[i].position - places[j].position).norm());
-  return 0.99 * least;
+  return kRoundedDown * least;
 }
 
 Json figures_of(const haptics::PlannedContacts& of) {
@@ -237,7 +241,8 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
     needs.push_back(needs_of(call, object));
     if (object.model.contacts.size() < kEnoughContacts) {
       spdlog::warn(
-          "{}: the model has {} contacts; with fewer than {}, the expected errors can be wrong by a "
+          "{}: the model has {} contacts; with fewer than {}, the expected errors can be wrong by "
+          "a "
           "factor of four",
           object.requirement.model.string(), object.model.contacts.size(), kEnoughContacts);
     }
@@ -294,9 +299,10 @@ void add_plan(CLI::App& app, const Settings& settings) {
                       "Mesh of the undeformed object for the project (default: that of the model)");
   command->add_option("--specimen", call->specimen,
                       "Simulated object that the project probes (JSON; docs/probing.md)");
-  command->add_option("--acquisition", call->acquisition,
-                      "Store of a campaign that shows how long a contact takes (default: 12 s for each "
-                      "trial)");
+  command->add_option(
+      "--acquisition", call->acquisition,
+      "Store of a campaign that shows how long a contact takes (default: 12 s for each "
+      "trial)");
   add_fields(*command, fields_of(call->places), kPlaceOptions);
   add_sensor_option(*command, call->places.sensor);
   command->footer(

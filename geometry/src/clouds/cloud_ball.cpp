@@ -58,7 +58,7 @@ struct BallScene {
   Matrix3Xd points, normals;
 };
 
-/// The points of a scene within so many radii of the place of a ball may be on it.
+/// Points within this distance of the centre, in radii of the ball, may be on the ball.
 constexpr double kSurroundings = 1.5;
 
 BallScene points_around(const BallScene& scene, const Vector3d& place, double radius) {

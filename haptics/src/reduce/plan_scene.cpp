@@ -166,7 +166,10 @@ std::vector<Choice> choices_within(std::vector<ContactTrade>& trades, double arm
     (time_of(trades, choices_of(trades, middle)) <= arm_time ? high : low) = middle;
   }
   choices = choices_of(trades, high);
-  for (Choice& choice : choices) choice.limit = PlanLimit::scene_time;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (choices[i].limit == PlanLimit::force_error || !trades[i].asked())
+      choices[i].limit = PlanLimit::scene_time;
+  }
   return choices;
 }
 

@@ -20,8 +20,8 @@ using Eigen::Vector3d;
 /// sphere of which a third is seen has a radius that is wrong by a few thousandths.
 constexpr double kOtherRadius = 0.03;
 
-/// Positions extend over so many times more or less only in another unit: an offset of the ball
-/// changes that by less.
+/// If the positions of the arm extend this many times farther than those of the ball, or less far,
+/// they are in another unit: an offset of the ball changes the extent by less.
 constexpr double kOtherUnit = 5;
 
 /// [mm] Poses that agree better than this need no explanation.

@@ -10,8 +10,8 @@
 
 namespace palpate::probing {
 
-/// Why these cannot be positions of this ball, whatever the pose: another radius, another unit,
-/// axes of the other hand, other orientations.
+/// Why no pose explains these positions of the ball: another radius or unit, left-handed axes, or
+/// wrong orientations.
 [[nodiscard]] std::optional<std::string> impossible_balls(const BallPoints& balls,
                                                           double ball_radius);
 

@@ -24,6 +24,9 @@ constexpr double kMiddle = 0.1;
 /// another unit, or not touches of this surface.
 constexpr double kTooSmall = 0.05, kTooLarge = 4;
 
+/// Share of the extent of the surface that touches usually cover: with another unit it tells which.
+constexpr double kLeastCovered = 0.1, kMostCovered = 1.5;
+
 /// [mm] Touches farther from the surface (RMS) are not only noise.
 constexpr double kSuspiciousRms = 0.3;
 /// Share of the touches that lie on the surface if nothing is wrong.
@@ -77,7 +80,7 @@ std::optional<std::string> impossible_touches(const Matrix3Xd& tips,
   for (const LengthUnit& unit : kOtherUnits) {
     // Touches cover a good part of the surface.
     const double converted = ratio * unit.mm;
-    if (converted > 0.1 && converted < 1.5)
+    if (converted > kLeastCovered && converted < kMostCovered)
       return text + fmt::format(": the positions seem to be in {}; give millimetres", unit.name);
   }
   return text +

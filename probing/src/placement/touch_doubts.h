@@ -20,7 +20,7 @@ inline constexpr int kFewestTouches = 16;
                                                     const geometry::RegistrationTarget& target,
                                                     const TouchPlacementOptions& options);
 
-/// Why these cannot be touches of this surface, whatever the pose: another unit.
+/// Why no pose puts these touches on the surface, for example because they are in another unit.
 [[nodiscard]] std::optional<std::string> impossible_touches(const Eigen::Matrix3Xd& tips,
                                                             const geometry::TriangleMesh& surface);
 

@@ -124,6 +124,18 @@ TEST_F(PlanScene, SharesTheTimeOfTheArmByRaisingAllErrorsAlike) {
   EXPECT_EQ(plan_scene(objects, wanted)[0].limit, PlanLimit::force_error);
 }
 
+TEST_F(PlanScene, TellsWhichTimeOfTheArmIsTooShort) {
+  const double asked =
+      0.6 * ErrorForecast(model, {.largest_depth = 4, .strokes = kStrokes}).at_present();
+  const std::vector<ObjectNeeds> objects{needs({.max_error = asked}, 10 * kMinutes),
+                                         needs({.max_error = asked})};
+  const std::vector<ObjectPlan> plans = plan_scene(objects, 60 * kMinutes);
+  EXPECT_EQ(plans[0].planned.contacts, 10);
+  EXPECT_EQ(plans[0].limit, PlanLimit::arm_time);
+  EXPECT_EQ(plans[1].limit, PlanLimit::scene_time);
+  EXPECT_LE(plans[1].planned.contacts, 50);
+}
+
 TEST_F(PlanScene, DividesTheContactsThatNothingAsksFor) {
   const std::vector<ObjectNeeds> objects{needs({}, 100 * kMinutes), needs({})};  // 100 and 60
   const std::vector<ObjectPlan> plans = plan_scene(objects, 80 * kMinutes);
