@@ -115,8 +115,8 @@ std::string advice_of(const probing::ArmPlacement& placement, const MeasurementW
   if (!placement.advice) return {};
   const probing::PlacementAdvice& advice = *placement.advice;
   return fmt::format(
-      "The weakest direction is {} ({:.3f} mm): one more {} with the tip near {} mm in the frame of "
-      "the arm, or {} mm in that of the camera, would reduce it to {:.3f} mm",
+      "The weakest direction is {} ({:.3f} mm): one more {} with the tip near {} mm in the frame "
+      "of the arm, or {} mm in that of the camera, would reduce it to {:.3f} mm",
       advice.direction, advice.before, words.one, coordinates_text(advice.tip_base, 0),
       coordinates_text(advice.tip_camera, 0), advice.after);
 }

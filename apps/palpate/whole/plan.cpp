@@ -242,8 +242,7 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
     if (object.model.contacts.size() < kEnoughContacts) {
       spdlog::warn(
           "{}: the model has {} contacts; with fewer than {}, the expected errors can be wrong by "
-          "a "
-          "factor of four",
+          "a factor of four",
           object.requirement.model.string(), object.model.contacts.size(), kEnoughContacts);
     }
   }
@@ -299,10 +298,9 @@ void add_plan(CLI::App& app, const Settings& settings) {
                       "Mesh of the undeformed object for the project (default: that of the model)");
   command->add_option("--specimen", call->specimen,
                       "Simulated object that the project probes (JSON; docs/probing.md)");
-  command->add_option(
-      "--acquisition", call->acquisition,
-      "Store of a campaign that shows how long a contact takes (default: 12 s for each "
-      "trial)");
+  command->add_option("--acquisition", call->acquisition,
+                      "Store of a campaign that shows how long a contact takes (default: 12 s for "
+                      "each trial)");
   add_fields(*command, fields_of(call->places), kPlaceOptions);
   add_sensor_option(*command, call->places.sensor);
   command->footer(
