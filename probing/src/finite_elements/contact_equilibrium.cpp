@@ -7,14 +7,17 @@
 #include <deque>
 #include <limits>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "finite_elements/contact_newton.h"
+#include "finite_elements/contact_sensitivity.h"
 #include "finite_elements/contact_system.h"
 #include "finite_elements/deformable_body.h"
+#include "finite_elements/near_tangent.h"
 #include "finite_elements/rest_equilibrium.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
@@ -29,6 +32,7 @@ constexpr double kPatchReach = 1.2;      // [tip radii] of the faces whose conta
 constexpr double kPatchGrowth = 1.5;     // of the reach, when the tip touches beyond
 constexpr double kDetour = 1;            // [tip radii] by which the tip may stop early
 constexpr double kRounding = 1e-12;      // of the way of a force or of the tip
+constexpr double kSameEquilibrium = 10;  // [tolerances] of what is missing at one
 constexpr int kGuessHalvings = 2;        // of the way between guesses, before they are given up
 
 // Places whose factors are kept: those of two contacts for each thread.
@@ -352,6 +356,62 @@ const ContactState& ContactSeries::from() const { return impl_->from; }
 ContactResult ContactSeries::apply_force(const Vector3d& force) {
   require("ContactSeries::apply_force(): force", force.sum(), finite(), "N");
   return impl_->solid.apply_force(impl_->from, force, impl_->memory);
+}
+
+TipSensitivity ContactSeries::sensitivity(const ContactState& at,
+                                          std::span<const SolidChange> changes) {
+  const ContactEquilibrium::Impl& solid = impl_->solid;
+  const ContactState& from = impl_->from;
+  const Eigen::Index nodes = at.positions.size();
+  const ContactStep step{ContactGoal::force, at.force, false};
+  // An equilibrium that was found in several steps is one only with the anchors that it has.
+  const SystemForces in_one_step = solid.system.forces(at.positions, at.tip, &from);
+  const bool one_step =
+      in_one_step.valid && missing_forces(in_one_step, step).norm() <=
+                               kSameEquilibrium * solid.options.tolerance * at.force.norm();
+  const auto start = [&](const ContactState& first) {
+    ContactState result = one_step ? first : at;
+    if (!one_step) {
+      result.positions += first.positions - from.positions;
+      result.tip += first.tip - from.tip;
+    }
+    return result;
+  };
+  // What is missing if rest and first touch are those of a changed solid, and all else is kept.
+  const auto missing = [&](const ContactEquilibrium& changed, const ContactState& first) {
+    if (first.positions.size() != nodes)
+      throw InvalidInput("ContactSeries::sensitivity(): a changed solid has other nodes");
+    const ContactState begin = start(first);
+    const SystemForces forces = changed.impl_->system.forces(
+        at.positions + first.positions - from.positions, at.tip + first.tip - from.tip, &begin);
+    if (!forces.valid)
+      throw SolverError("a changed solid has inverted elements; change it by less");
+    return missing_forces(forces, step);
+  };
+  Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(nodes + 3, 3 + std::ssize(changes));
+  forces.bottomLeftCorner<3, 3>().setIdentity();
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    const SolidChange& change = changes[k];
+    forces.col(3 + static_cast<Eigen::Index>(k)) =
+        (missing(*change.more, change.from_more) - missing(*change.less, change.from_less)) /
+        change.step;
+  }
+  const Eigen::MatrixXd motions = answers_to(solid.system, solid.options, *impl_->memory.place,
+                                             impl_->memory.working, start(from), at, forces)
+                                      .bottomRows<3>();
+  return {motions.leftCols<3>(), motions.rightCols(std::ssize(changes))};
+}
+
+std::vector<int> ContactEquilibrium::touched_nodes(const ContactState& state) const {
+  std::set<int> nodes;
+  for (const ContactAnchor& anchor : state.anchors) {
+    // The last face whose first point is not behind the anchor's.
+    const auto& all = impl_->system.faces();
+    const auto after = std::ranges::upper_bound(all, anchor.point, {}, &ContactFace::first_point);
+    const BoundaryFace& face = std::prev(after)->face;
+    nodes.insert(face.nodes.begin(), face.nodes.end());
+  }
+  return {nodes.begin(), nodes.end()};
 }
 
 double ContactEquilibrium::elastic_energy(const Eigen::Matrix3Xd& positions) const {

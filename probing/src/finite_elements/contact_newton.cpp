@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "finite_elements/contact_newton.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "finite_elements/krylov_solve.h"
+#include "finite_elements/near_tangent.h"
 
 namespace palpate::probing {
 namespace {
@@ -24,8 +23,7 @@ constexpr int kFreeIterations = 6;
 constexpr double kFreeGrowth = 30, kLaterGrowth = 3;
 constexpr double kLeastPart = 1.0 / 128;  // of a step, before it is given up
 
-constexpr double kTangentStep = 1e-6;  // [tip radii] by which forces are compared for the tangent
-constexpr int kMostProducts = 12;      // of the tangent with a vector, for one step
+constexpr int kMostProducts = 12;   // of the tangent with a vector, for one step
 constexpr int kManyProducts = 4;    // products of a step, beyond which the matrix is factored anew
 constexpr double kGoodRate = 0.05;  // of residuals: below it old factors alone give the step
 constexpr double kFirstTolerance = 0.3;  // of a step, over the residual, while contacts change,
@@ -63,108 +61,6 @@ ContactAttempt first_guess(const ContactSystem& system, double radius, double mo
   return guess;
 }
 
-bool touches_beyond(const ContactSystem& system, const PlaceFactors& place,
-                    const SystemForces& forces) {
-  return std::ranges::any_of(forces.contacts, [&](const FaceContact& contact) {
-    const auto& nodes = system.faces()[static_cast<std::size_t>(contact.face)].face.nodes;
-    return std::ranges::any_of(nodes, [&](int node) {
-      const auto n = static_cast<std::size_t>(node);
-      return place.root_index[n] < 0 && !system.fixed()[n];
-    });
-  });
-}
-
-// The matrix of the root's nodes with the contact. With a force as goal, the three unknowns of the
-// tip are its border.
-Eigen::MatrixXd root_matrix(const ContactSystem& system, const PlaceFactors& place,
-                            const NestedFactors& factors, const SystemForces& forces,
-                            ContactGoal goal) {
-  const bool tip_moves = goal == ContactGoal::force;
-  const Eigen::Index tip = 3 * static_cast<Eigen::Index>(place.problem.root.size());
-  const Eigen::Index unknowns = tip + (tip_moves ? 3 : 0);
-  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(unknowns, unknowns);
-  root.topLeftCorner(tip, tip) =
-      factors.fronts[static_cast<std::size_t>(place.tree.root_front())].update;
-  for (const FaceContact& contact : forces.contacts) {
-    const ContactFace& face = system.faces()[static_cast<std::size_t>(contact.face)];
-    const auto shape = face.rule->shapes.col(contact.point);
-    for (int a = 0; a < 6; ++a) {
-      const int row = place.root_index[static_cast<std::size_t>(face.face.nodes[a])];
-      if (row < 0) continue;
-      for (int b = 0; b < 6; ++b) {
-        const int column = place.root_index[static_cast<std::size_t>(face.face.nodes[b])];
-        if (column >= 0)
-          root.block<3, 3>(3 * row, 3 * column) -= shape[a] * shape[b] * contact.tangent;
-      }
-      if (tip_moves) {
-        root.block<3, 3>(3 * row, tip) += shape[a] * contact.tangent;
-        root.block<3, 3>(tip, 3 * row) += shape[a] * contact.tangent;
-      }
-    }
-    if (tip_moves) root.bottomRightCorner<3, 3>() -= contact.tangent;
-  }
-  return root;
-}
-
-// What is missing to balance: 3 N forces on nodes, then that on the tip [N].
-Eigen::VectorXd missing_forces(const SystemForces& forces, const ContactStep& step) {
-  Eigen::VectorXd result(forces.nodes.size() + 3);
-  result << -forces.nodes,
-      (step.goal == ContactGoal::force ? Vector3d(step.target - forces.tip) : Vector3d::Zero());
-  return result;
-}
-
-// The system of Newton's method, with old factors of the solid and the contact as it is.
-class NearTangent {
- public:
-  NearTangent(const ContactSystem& system, const PlaceFactors& place, const NestedFactors& factors,
-              const SystemForces& forces, ContactGoal goal)
-      : place_(place),
-        factors_(factors),
-        tip_moves_(goal == ContactGoal::force),
-        root_(root_matrix(system, place, factors, forces, goal)) {}
-
-  // Motions of all nodes and of the tip, one after the other [mm], that such forces cause [N].
-  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& forces) const {
-    const std::vector<int>& root_nodes = place_.problem.root;
-    const auto tip = static_cast<Eigen::Index>(3 * root_nodes.size());
-    Eigen::VectorXd change = forces.head(forces.size() - 3);
-    substitute_forward(place_.tree, factors_, change);
-    Eigen::VectorXd right(tip + (tip_moves_ ? 3 : 0));
-    for (std::size_t k = 0; k < root_nodes.size(); ++k)
-      right.segment<3>(static_cast<Eigen::Index>(3 * k)) = change.segment<3>(3 * root_nodes[k]);
-    if (tip_moves_) right.tail<3>() = forces.tail<3>();
-    const Eigen::VectorXd solved = root_.solve(right);
-    for (std::size_t k = 0; k < root_nodes.size(); ++k)
-      change.segment<3>(3 * root_nodes[k]) = solved.segment<3>(static_cast<Eigen::Index>(3 * k));
-    substitute_backward(place_.tree, factors_, change);
-    Eigen::VectorXd whole(forces.size());
-    whole << change, (tip_moves_ ? Vector3d(solved.tail<3>()) : Vector3d::Zero());
-    return whole;
-  }
-
- private:
-  const PlaceFactors& place_;
-  const NestedFactors& factors_;
-  bool tip_moves_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> root_;
-};
-
-// The true tangent times motions of all nodes and of the tip, by a difference of forces.
-Eigen::VectorXd tangent_product(const ContactSystem& system, double radius,
-                                const ContactState& start, const ContactStep& step,
-                                const ContactAttempt& now, const Eigen::VectorXd& motion) {
-  const Eigen::Map<const Eigen::Matrix3Xd> nodes(motion.data(), 3, now.positions.cols());
-  const double longest =
-      std::sqrt(std::max(nodes.colwise().squaredNorm().maxCoeff(), motion.tail<3>().squaredNorm()));
-  const double part = kTangentStep * radius / longest;
-  const SystemForces moved =
-      system.forces(now.positions + part * nodes, now.tip + part * motion.tail<3>(), &start);
-  if (!moved.valid)
-    return Eigen::VectorXd::Constant(motion.size(), std::numeric_limits<double>::quiet_NaN());
-  return (missing_forces(now.forces, step) - missing_forces(moved, step)) / part;
-}
-
 // The largest part of a step that does not invert elements, lose the contact or let residuals grow.
 struct ShortenedStep {
   ContactAttempt next;
@@ -197,6 +93,17 @@ ShortenedStep shorten(const ContactSystem& system, double radius, const ContactS
 }
 
 }  // namespace
+
+bool touches_beyond(const ContactSystem& system, const PlaceFactors& place,
+                    const SystemForces& forces) {
+  return std::ranges::any_of(forces.contacts, [&](const FaceContact& contact) {
+    const auto& nodes = system.faces()[static_cast<std::size_t>(contact.face)].face.nodes;
+    return std::ranges::any_of(nodes, [&](int node) {
+      const auto n = static_cast<std::size_t>(node);
+      return place.root_index[n] < 0 && !system.fixed()[n];
+    });
+  });
+}
 
 PlaceFactors order_unknowns(const ContactSystem& system, const Eigen::Matrix3Xd& rest,
                             const Vector3d& centre, double reach) {
@@ -278,7 +185,8 @@ ContactAttempt attempt_step(const ContactSystem& system, const EquilibriumOption
       const bool steady = norm < kSteady * scale;
       KrylovResult linear = krylov_solve(
           [&](const Eigen::VectorXd& motion) {
-            return tangent_product(system, radius, start, step, now, motion);
+            return tangent_product(system, radius, start, step,
+                                   {now.positions, now.tip, now.forces}, motion);
           },
           [&](const Eigen::VectorXd& forces) { return tangent.solve(forces); }, missing,
           {.tolerance = steady ? kLaterTolerance : kFirstTolerance, .max_products = kMostProducts});

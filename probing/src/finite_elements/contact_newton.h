@@ -29,6 +29,10 @@ struct PlaceFactors {
 void factor_place(const ContactSystem& system, const PlaceFactors& place,
                   const Eigen::Matrix3Xd& positions, NestedFactors& factors);
 
+// Whether the tip touches a face beyond the reach of the place.
+[[nodiscard]] bool touches_beyond(const ContactSystem& system, const PlaceFactors& place,
+                                  const SystemForces& forces);
+
 enum class ContactGoal { force, position };
 
 struct ContactStep {

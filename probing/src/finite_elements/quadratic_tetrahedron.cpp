@@ -12,12 +12,11 @@ using Barycentric = Eigen::Vector4d;
 
 // Derivatives of the ten shape functions by the barycentric coordinates.
 Eigen::Matrix<double, 4, 10> barycentric_gradients(const Barycentric& l) {
-  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
   Eigen::Matrix<double, 4, 10> result = Eigen::Matrix<double, 4, 10>::Zero();
   for (int a = 0; a < 4; ++a) result(a, a) = 4 * l[a] - 1;
   for (int e = 0; e < 6; ++e) {
-    result(kEdges[e][0], 4 + e) = 4 * l[kEdges[e][1]];
-    result(kEdges[e][1], 4 + e) = 4 * l[kEdges[e][0]];
+    result(kEdgeCorners[e][0], 4 + e) = 4 * l[kEdgeCorners[e][1]];
+    result(kEdgeCorners[e][1], 4 + e) = 4 * l[kEdgeCorners[e][0]];
   }
   return result;
 }
@@ -70,6 +69,14 @@ ElementKinematics kinematics(const TetrahedronPoints& points, const ElementNodes
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 10, 1> shape_functions(const Eigen::Vector4d& place) {
+  Eigen::Matrix<double, 10, 1> result;
+  for (int a = 0; a < 4; ++a) result[a] = place[a] * (2 * place[a] - 1);
+  for (int e = 0; e < 6; ++e)
+    result[4 + e] = 4 * place[kEdgeCorners[e][0]] * place[kEdgeCorners[e][1]];
+  return result;
+}
 
 TetrahedronPoints tetrahedron_points(const ElementNodes& nodes) {
   constexpr double kWeight = 1.0 / 24;

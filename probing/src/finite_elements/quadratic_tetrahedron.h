@@ -23,6 +23,12 @@ using TetrahedronPoints = std::array<TetrahedronPoint, 4>;
 
 [[nodiscard]] TetrahedronPoints tetrahedron_points(const ElementNodes& nodes);
 
+// The ten shape functions at a place given by its barycentric coordinates.
+[[nodiscard]] Eigen::Matrix<double, 10, 1> shape_functions(const Eigen::Vector4d& place);
+
+// The corners of each edge's middle node, in the order of the nodes 4 to 9.
+inline constexpr int kEdgeCorners[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+
 // The least ratio of the Jacobian at the nodes and the points to its mean; <= 0 if inverted.
 [[nodiscard]] double shape_quality(const ElementNodes& nodes);
 

@@ -278,11 +278,12 @@ void read_supports(Members& members, const std::string& shape, DeformableBody& b
 
 }  // namespace
 
-std::unique_ptr<Specimen> finite_elements_of(const json& object, const std::string& source) {
+FiniteElementObject finite_elements_of(const json& object, const std::string& source) {
   Members members(object, source);
   (void)members.text("type");
   const std::string shape = members.has("shape") ? members.text("shape") : "block";
-  DeformableBody body;
+  FiniteElementObject result;
+  DeformableBody& body = result.body;
   members.checked([&] {
     if (shape == "block") {
       body.mesh = read_block(members);
@@ -308,17 +309,16 @@ std::unique_ptr<Specimen> finite_elements_of(const json& object, const std::stri
     listed.refuse_others();
     body.obstacles.push_back(block);
   }
-  FiniteElementSpecimenOptions options;
+  FiniteElementSpecimenOptions& options = result.options;
   members.number("friction", options.friction, at_least(0).finite(), "");
   options.microslip = members.truth("microslip", options.microslip);
   members.number("tip_radius", options.contact.tip_radius, above(0).finite(), "mm");
   double load_steps = options.contact.load_steps;
   members.number("load_steps", load_steps, at_least(1).at_most(1000), "");
   options.contact.load_steps = static_cast<int>(load_steps);
+  (void)members.has("identified");  // of `identify`: where the material comes from
   members.refuse_others();
-  std::unique_ptr<Specimen> specimen;
-  members.checked([&] { specimen = make_specimen(std::move(body), options); });
-  return specimen;
+  return result;
 }
 
 }  // namespace palpate::probing

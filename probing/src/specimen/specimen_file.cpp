@@ -65,22 +65,42 @@ std::unique_ptr<Specimen> specimen_of(const json& members, const std::string& so
   }
 }
 
-}  // namespace
-
-std::unique_ptr<Specimen> parse_specimen(const std::string& text, const std::string& source) {
-  const json members = json::parse(text, nullptr, false);
+json members_of(const std::string& text, const std::string& source) {
+  json members = json::parse(text, nullptr, false);
   if (!members.is_object()) {
     throw FileError(source + R"(: is not a JSON object; it must be one such as {"type": "sheet"})");
   }
   const auto type = members.find("type");
-  if (type == members.end() || !type->is_string()) {
+  if (type == members.end() || !type->is_string())
     throw FileError(source + ": has no 'type'; it must be " + kTypes);
+  return members;
+}
+
+}  // namespace
+
+std::unique_ptr<Specimen> parse_specimen(const std::string& text, const std::string& source) {
+  const json members = members_of(text, source);
+  const json& type = members["type"];
+  if (type == "sheet") return specimen_of<Sheet>(members, source);
+  if (type == "beam") return specimen_of<Beam>(members, source);
+  if (type == "elastic_body") return specimen_of<ElasticBody>(members, source);
+  if (type == "finite_elements") {
+    FiniteElementObject object = finite_elements_of(members, source);
+    try {
+      return make_specimen(std::move(object.body), object.options);
+    } catch (const InvalidInput& wrong) {
+      throw FileError(source + ": " + wrong.what());
+    }
   }
-  if (*type == "sheet") return specimen_of<Sheet>(members, source);
-  if (*type == "beam") return specimen_of<Beam>(members, source);
-  if (*type == "elastic_body") return specimen_of<ElasticBody>(members, source);
-  if (*type == "finite_elements") return finite_elements_of(members, source);
-  throw FileError(source + ": 'type' is " + type->dump() + "; it must be " + kTypes);
+  throw FileError(source + ": 'type' is " + type.dump() + "; it must be " + kTypes);
+}
+
+FiniteElementObject parse_finite_elements(const std::string& text, const std::string& source) {
+  const json members = members_of(text, source);
+  if (members["type"] != "finite_elements")
+    throw FileError(source + ": 'type' is " + members["type"].dump() +
+                    "; a solid must be of the type finite_elements");
+  return finite_elements_of(members, source);
 }
 
 std::string read_specimen_text(const std::filesystem::path& path) {

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "palpate/geometry/eigen_alignment.h"
@@ -28,6 +29,9 @@ struct DeformableBody {
   Eigen::Matrix3Xd support_moves;       ///< 3 x supported [mm]: pre-stretch; empty: none
   std::vector<RigidBlock> obstacles;
 };
+
+/// The same solid with each tetrahedron divided into eight. Boundaries keep their shape.
+[[nodiscard]] DeformableBody refined(const DeformableBody& body);
 
 struct EquilibriumOptions {
   double tip_radius = 5;  ///< [mm] of the rigid ball; > 0
@@ -80,6 +84,23 @@ struct ContactResult {
   int slipping = 0;        ///< of these
 };
 
+class ContactEquilibrium;
+
+/// Two solids on the same nodes that differ in one parameter, such as a modulus, on both sides of a
+/// third one; and where the tip touches each before it presses.
+struct SolidChange {
+  const ContactEquilibrium* less = nullptr;
+  const ContactEquilibrium* more = nullptr;
+  ContactState from_less, from_more;
+  double step = 0;  ///< of the parameter between the two; > 0
+};
+
+/// How far the tip moves if the force or a parameter of the solid changes a little.
+struct TipSensitivity {
+  Eigen::Matrix3d compliance;   ///< [mm/N] derivative of its displacement by the force
+  Eigen::Matrix3Xd by_changes;  ///< 3 x changes [mm] derivatives by the parameters
+};
+
 /// Equilibria of a solid with a rigid ball that presses and drags on it. Functions may be called
 /// from several threads; their results depend on their arguments only.
 class ContactEquilibrium {
@@ -110,6 +131,9 @@ class ContactEquilibrium {
   /// Moves the tip's centre [mm] along a straight line.
   [[nodiscard]] ContactResult move_tip(const ContactState& from, const Eigen::Vector3d& tip) const;
 
+  /// Ascending: the nodes of faces that the tip touches in an equilibrium of this solid.
+  [[nodiscard]] std::vector<int> touched_nodes(const ContactState& state) const;
+
   /// [N mm] Elastic energy of the solid.
   [[nodiscard]] double elastic_energy(const Eigen::Matrix3Xd& positions) const;
 
@@ -133,6 +157,13 @@ class ContactSeries {
   [[nodiscard]] const ContactState& from() const;
   /// Changes the force on the object [N] along the straight line from that of `from()`.
   [[nodiscard]] ContactResult apply_force(const Eigen::Vector3d& force);
+
+  /// Derivatives of the way of the tip between `from()` and the equilibrium `at`, which
+  /// `apply_force` has found, to about a thousandth.
+  /// \throws InvalidInput if a changed solid has other nodes.
+  /// \throws SolverError if the equilibrium is not stable, or a changed solid has inverted elements.
+  [[nodiscard]] TipSensitivity sensitivity(const ContactState& at,
+                                           std::span<const SolidChange> changes);
 
  private:
   struct Impl;

@@ -18,6 +18,12 @@ struct FiniteElementSpecimenOptions {
   EquilibriumOptions contact;  ///< its friction is ignored
 };
 
+/// A solid and how a tool touches it, as a specimen file of the type "finite_elements" states it.
+struct FiniteElementObject {
+  DeformableBody body;
+  FiniteElementSpecimenOptions options;
+};
+
 /// A solid as an object to probe. Its surface is the part of its boundary at rest that a camera at
 /// the origin sees at less than 70 degrees and no support holds. The displacement is that of the
 /// centre of the tip, which comes along the normal, from the place where it first touches.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "palpate/probing/finite_element_specimen.h"
 #include "palpate/probing/specimen.h"
 
 namespace palpate::probing {
@@ -20,6 +21,11 @@ namespace palpate::probing {
 /// \throws FileError naming the member, what is wrong with it, and what would be right.
 [[nodiscard]] std::unique_ptr<Specimen> parse_specimen(const std::string& text,
                                                        const std::string& source);
+
+/// The solid of such an object with the type finite_elements.
+/// \throws FileError as `parse_specimen` does, and if the type is another one.
+[[nodiscard]] FiniteElementObject parse_finite_elements(const std::string& text,
+                                                        const std::string& source);
 
 /// The text of such a file.
 /// \throws FileError if it cannot be read.
