@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "palpate/core/parallel_for.h"
-#include "palpate/haptics/friction_cone.h"
 
 namespace palpate::haptics {
 namespace {
@@ -33,8 +32,8 @@ Eigen::Vector3d expected_error(const FrictionFit& cone, const Eigen::Vector3d& f
 
 }  // namespace
 
-void expect_held(const probing::CheckedAcquisition& acquisition, const IdentifyOptions& options,
-                 std::vector<Pair>& pairs) {
+std::vector<FrictionFit> friction_cones(const probing::CheckedAcquisition& acquisition,
+                                        const IdentifyOptions& options) {
   FrictionOptions friction;
   if (options.force_noise.value_or(0) > 0) friction.force_noise = *options.force_noise;
   std::vector<FrictionFit> cones(acquisition.contacts().size());
@@ -43,6 +42,10 @@ void expect_held(const probing::CheckedAcquisition& acquisition, const IdentifyO
     const std::vector<FrictionTrial> trials = friction_trials(contact, acquisition.samples_of(c));
     if (!trials.empty()) cones[c] = fit_friction(trials, contact.normal, friction);
   });
+  return cones;
+}
+
+void expect_held(const std::vector<FrictionFit>& cones, std::vector<Pair>& pairs) {
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const FrictionFit& cone = cones[pairs[i].contact];
     if (pairs[i].settled != i && cone.stop == FrictionStop::converged)
@@ -64,14 +67,14 @@ ParametricLaw with_held_share(const ParametricLaw& law) {
   result.lower = with(law.lower, 0);
   result.upper = with(law.upper, 1);
   for (Eigen::VectorXd& start : result.starts) start = with(start, 0.5);
-  result.predict = [law, count](const Eigen::VectorXd& p, const Pair& pair,
-                                const Prediction* last) {
-    Pair held = pair;
-    held.force += p[count] * pair.held_error;
-    std::optional<Prediction> found = law.predict(p.head(count), held, last);
-    if (found) {
-      found->by_parameters.conservativeResize(3, count + 1);
-      found->by_parameters.col(count) = found->compliance * pair.held_error;
+  result.predict = [law, count](const Eigen::VectorXd& p, std::span<const Pair> pairs,
+                                const Predictions& last) {
+    std::vector<Pair> held(pairs.begin(), pairs.end());
+    for (Pair& pair : held) pair.force += p[count] * pair.held_error;
+    Predictions found = law.predict(p.head(count), held, last);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      found[i].by_parameters.conservativeResize(3, count + 1);
+      found[i].by_parameters.col(count) = found[i].compliance * held[i].held_error;
     }
     return found;
   };

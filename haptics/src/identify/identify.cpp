@@ -22,20 +22,6 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr const char* kDisplacementNoise = "IdentifyOptions::displacement_noise";
-constexpr const char* kForceNoise = "IdentifyOptions::force_noise";
-
-void check(IdentifyOptions options) {
-  require_in_range(fields_of(options));
-  if (options.displacement_noise.has_value() == options.force_noise.has_value()) return;
-  throw InvalidInput({{options.displacement_noise ? kDisplacementNoise : kForceNoise, true},
-                      {" is given alone; give both "},
-                      {kDisplacementNoise, true},
-                      {" [mm] and "},
-                      {kForceNoise, true},
-                      {" [N], or neither"}});
-}
-
 /// Typical sizes of an acquisition, all > 0.
 struct Sizes {
   double force = 0;         ///< [N] root mean square
@@ -268,10 +254,10 @@ void visit(IdentifyOptions& options, FieldVisitor& visitor) {
 
 IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
                                const IdentifyOptions& options) {
-  check(options);
+  check_identify_options(options);
   std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
-  expect_held(acquisition, options, pairs);
+  expect_held(friction_cones(acquisition, options), pairs);
   const Base base = base_of(acquisition.contacts());
   ParametricLaw law;
   law.names = {"tension",    "axial stiffness", "low support", "high support", "lateral stiffness",
@@ -281,9 +267,9 @@ IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
   law.upper.setConstant(kStripParameters, std::numeric_limits<double>::infinity());
   for (const Eigen::Index k : {kTension, kAxial, kLateral, kCompliance}) law.lower[k] = 0;
   add_scales(law, base, acquisition.contacts(), sizes);
-  law.predict = [&](const Eigen::VectorXd& p, const Pair& pair, const Prediction* last) {
+  law.predict = each_pair([&](const Eigen::VectorXd& p, const Pair& pair, const Prediction* last) {
     return predict_strip(base, p, law.scale, acquisition.contacts()[pair.contact], pair, last);
-  };
+  });
   LawEstimate found = estimate(law, pairs, acquisition.contacts(), options);
   const Eigen::VectorXd before = found.parameters;
   unwrap(found.parameters);
@@ -299,11 +285,11 @@ IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
 
 IdentifiedHalfSpace identify_half_space(const probing::CheckedAcquisition& acquisition,
                                         double tool_radius, const IdentifyOptions& options) {
-  check(options);
+  check_identify_options(options);
   require("identify_half_space(): tool_radius", tool_radius, above(0).finite(), "mm");
   std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
-  expect_held(acquisition, options, pairs);
+  expect_held(friction_cones(acquisition, options), pairs);
   // No known material is outside these bounds; at nu = -1 the stiffness is infinite.
   constexpr double kLeastModulus = 1e-6;  // of the first guess
   constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.5, kUsualPoisson = 0.3;
@@ -315,10 +301,10 @@ IdentifiedHalfSpace identify_half_space(const probing::CheckedAcquisition& acqui
   law.lower = Eigen::Vector2d(kLeastModulus * modulus, kLeastPoisson);
   law.upper = Eigen::Vector2d(std::numeric_limits<double>::infinity(), kMostPoisson);
   law.starts = {Eigen::Vector2d(modulus, kUsualPoisson)};
-  law.predict = [&](const Eigen::VectorXd& p, const Pair& pair, const Prediction*) {
+  law.predict = each_pair([&](const Eigen::VectorXd& p, const Pair& pair, const Prediction*) {
     return std::optional(
         predict_half_space({p[0], p[1], tool_radius}, acquisition.contacts()[pair.contact], pair));
-  };
+  });
   LawEstimate found = estimate(law, pairs, acquisition.contacts(), options);
   return {{found.parameters[0], found.parameters[1], tool_radius}, std::move(found.report)};
 }

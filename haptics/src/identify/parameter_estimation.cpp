@@ -11,9 +11,13 @@
 
 #include "identify/held_forces.h"
 #include "palpate/core/error.h"
+#include "palpate/core/require.h"
 
 namespace palpate::haptics {
 namespace {
+
+constexpr const char* kDisplacementNoise = "IdentifyOptions::displacement_noise";
+constexpr const char* kForceNoise = "IdentifyOptions::force_noise";
 
 /// Huber's loss is linear beyond this many standard deviations, which 3 % of valid pairs exceed
 /// (chi of three numbers).
@@ -24,8 +28,6 @@ constexpr double kOutlierDistance = 6;
 /// If more than this share of a contact's pairs is beyond it, the model is wrong there, and these
 /// pairs are not outliers.
 constexpr double kOutlierShare = 0.1;
-/// The weights are updated until no parameter changes by more than this times its standard error.
-constexpr double kRestingError = 0.02;
 constexpr int kMaxWeightRounds = 12;
 /// Approximate number of pairs on which the starts are compared.
 constexpr std::size_t kStartPairs = 300;
@@ -89,7 +91,8 @@ Weights noise_weights(const Problem& problem, const Predictions& predictions, co
     const Eigen::Matrix3d covariance =
         (noise.displacement * noise.displacement * Eigen::Matrix3d::Identity() +
          noise.force * noise.force * c * c.transpose()) /
-        (pair.settled == i ? pair.repeats : 1);
+            (pair.settled == i ? pair.repeats : 1) +
+        pair.law_error * pair.law_error * Eigen::Matrix3d::Identity();
     weights.whiten.push_back(
         covariance.llt().matrixL().solve(Eigen::Matrix3d(Eigen::Matrix3d::Identity())));
   }
@@ -140,50 +143,117 @@ void judge(const Problem& problem, const std::vector<Eigen::Vector3d>& residual,
   }
 }
 
-/// Values and standard errors (for a chi^2 of 1) from the normal equations at the solution.
-std::vector<ParameterEstimate> describe(const ParametricLaw& law, const Eigen::VectorXd& at,
-                                        const NormalEquations& normal) {
-  std::vector<ParameterEstimate> result;
-  std::vector<Eigen::Index> free;
-  for (Eigen::Index k = 0; k < at.size(); ++k) {
-    ParameterEstimate& estimate = result.emplace_back();
-    estimate.name = law.names[static_cast<std::size_t>(k)];
-    estimate.unit = law.units[static_cast<std::size_t>(k)];
-    if (normal.matrix(k, k) * kUndetermined * kUndetermined <= 1) continue;
-    if (held_by_bound(law, at, normal, k)) {
-      estimate.status = ParameterStatus::at_bound;
-      estimate.value = at[k];
-    } else {
-      free.push_back(k);
-    }
-  }
-  if (free.empty()) return result;
-  const Eigen::MatrixXd matrix = normal.matrix(free, free);
+/// Covariance of parameters in units of their scales. In a direction that the data do not
+/// determine, they are uncertain by their scales.
+struct Covariance {
+  std::vector<Eigen::Index> free;  ///< the parameters that it is of: all that no bound holds
+  Eigen::MatrixXd matrix;
+  std::vector<bool> determined;
+};
+
+Covariance covariance_of(const ParametricLaw& law, const Eigen::VectorXd& at,
+                         const NormalEquations& normal) {
+  Covariance result;
+  for (Eigen::Index k = 0; k < at.size(); ++k)
+    if (!held_by_bound(law, at, normal, k)) result.free.push_back(k);
+  if (result.free.empty()) return result;
+  const Eigen::MatrixXd matrix = normal.matrix(result.free, result.free);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
   const double zero = kZeroEigenvalue * eigen.eigenvalues().maxCoeff();
-  for (std::size_t k = 0; k < free.size(); ++k) {
-    double variance = 0;
-    bool determined = true;
-    for (Eigen::Index i = 0; i < eigen.eigenvalues().size(); ++i) {
-      const double component = eigen.eigenvectors()(static_cast<Eigen::Index>(k), i);
-      const double value = eigen.eigenvalues()[i];
-      if (value * kUndetermined * kUndetermined <= 1 || value <= zero) {
-        determined = determined && std::abs(component) <= kBelongs;
-      } else {
-        variance += component * component / value;
-      }
-    }
-    if (!determined) continue;
-    ParameterEstimate& estimate = result[static_cast<std::size_t>(free[k])];
-    estimate.status = ParameterStatus::determined;
-    estimate.value = at[free[k]];
-    estimate.standard_error = std::sqrt(variance) * law.scale[free[k]];
+  result.matrix.setZero(matrix.rows(), matrix.cols());
+  result.determined.assign(result.free.size(), true);
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    const Eigen::VectorXd direction = eigen.eigenvectors().col(i);
+    const double value = eigen.eigenvalues()[i];
+    const bool known = value * kUndetermined * kUndetermined > 1 && value > zero;
+    result.matrix += direction * direction.transpose() / (known ? value : std::max(value, 0.0) + 1);
+    for (std::size_t k = 0; k < result.free.size() && !known; ++k)
+      if (std::abs(direction[static_cast<Eigen::Index>(k)]) > kBelongs)
+        result.determined[k] = false;
   }
   return result;
 }
 
+/// The covariance that the scatter of the contacts shows, where the pairs of a contact share errors
+/// (Liang and Zeger 1986).
+Eigen::MatrixXd covariance_by_contacts(const Problem& problem, const Weights& weights,
+                                       const Predictions& predictions, const Covariance& all) {
+  const Eigen::Index count = std::ssize(all.free);
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(count, count);
+  double contacts = 0;
+  for (std::size_t begin = 0, end = 0; begin < problem.pairs.size(); begin = end) {
+    Problem one{.law = problem.law, .pairs = {}, .huber = problem.huber};
+    Weights own{.whiten = {}, .shared_error = weights.shared_error};
+    Predictions found;
+    for (; end < problem.pairs.size() && problem.pairs[end].contact == problem.pairs[begin].contact;
+         ++end) {
+      one.pairs.push_back(problem.pairs[end]);
+      one.pairs.back().settled -= begin;
+      own.whiten.push_back(weights.whiten[end]);
+      found.push_back(predictions[end]);
+    }
+    const Eigen::VectorXd gradient = normal_equations(one, own, found).gradient(all.free);
+    scatter += gradient * gradient.transpose();
+    ++contacts;
+  }
+  const double small_number = contacts > 1 ? contacts / (contacts - 1) : 1;
+  return small_number * all.matrix * scatter * all.matrix;
+}
+
+/// Values and standard errors, for a chi^2 of 1.
+void describe(const ParametricLaw& law, const Eigen::VectorXd& at, const NormalEquations& normal,
+              Identification& report) {
+  report.parameters.clear();
+  report.correlations.setConstant(at.size(), at.size(), std::numeric_limits<double>::quiet_NaN());
+  for (Eigen::Index k = 0; k < at.size(); ++k) {
+    ParameterEstimate& estimate = report.parameters.emplace_back();
+    estimate.name = law.names[static_cast<std::size_t>(k)];
+    estimate.unit = law.units[static_cast<std::size_t>(k)];
+    if (!held_by_bound(law, at, normal, k) ||
+        normal.matrix(k, k) * kUndetermined * kUndetermined <= 1)
+      continue;
+    estimate.status = ParameterStatus::at_bound;
+    estimate.value = at[k];
+  }
+  const Covariance covariance = covariance_of(law, at, normal);
+  for (std::size_t i = 0; i < covariance.free.size(); ++i) {
+    if (!covariance.determined[i]) continue;
+    const Eigen::Index k = covariance.free[i], row = static_cast<Eigen::Index>(i);
+    const double deviation = std::sqrt(covariance.matrix(row, row));
+    ParameterEstimate& estimate = report.parameters[static_cast<std::size_t>(k)];
+    estimate.status = ParameterStatus::determined;
+    estimate.value = at[k];
+    estimate.standard_error = deviation * law.scale[k];
+    for (std::size_t j = 0; j < covariance.free.size(); ++j) {
+      const auto column = static_cast<Eigen::Index>(j);
+      if (covariance.determined[j])
+        report.correlations(k, covariance.free[j]) =
+            covariance.matrix(row, column) /
+            (deviation * std::sqrt(covariance.matrix(column, column)));
+    }
+  }
+}
+
+/// Where the law is known to be wrong by errors that the pairs of a contact share, a standard error
+/// is at least what the scatter of the contacts shows.
+void widen_by_contacts(const Problem& problem, const Weights& weights, const SearchResult& found,
+                       Identification& report) {
+  if (std::ranges::all_of(problem.pairs, [](const Pair& pair) { return pair.law_error == 0; }))
+    return;
+  const Covariance covariance = covariance_of(
+      problem.law, found.parameters, normal_equations(problem, weights, found.predictions));
+  const Eigen::MatrixXd shown =
+      covariance_by_contacts(problem, weights, found.predictions, covariance);
+  for (std::size_t i = 0; i < covariance.free.size(); ++i) {
+    const Eigen::Index k = covariance.free[i], row = static_cast<Eigen::Index>(i);
+    std::optional<double>& error = report.parameters[static_cast<std::size_t>(k)].standard_error;
+    if (error) error = std::max(*error, std::sqrt(shown(row, row)) * problem.law.scale[k]);
+  }
+}
+
 /// Finds the best of the starts using some of the pairs.
 Eigen::VectorXd best_start(const Problem& problem, double size) {
+  if (problem.law.starts.size() == 1) return problem.law.starts.front();
   Problem part{.law = problem.law, .pairs = {}};
   const std::size_t stride = 1 + problem.pairs.size() / kStartPairs;
   for (std::size_t i = 0; i < problem.pairs.size(); i += stride) {
@@ -192,7 +262,8 @@ Eigen::VectorXd best_start(const Problem& problem, double size) {
   const Weights weights = equal_weights(part.pairs.size(), size);
   SearchResult best{.parameters = problem.law.starts.front(), .predictions = {}};
   for (const Eigen::VectorXd& start : problem.law.starts) {
-    SearchResult found = search(part, weights, start, predict(part, start), kMostIterations, kFar);
+    SearchResult found = search(part, weights, start, part.law.predict(start, part.pairs, {}),
+                                kMostIterations, kFar);
     if (found.cost < best.cost) best = std::move(found);
   }
   return best.parameters;
@@ -207,16 +278,27 @@ double mean_square(std::span<const Pair> pairs, const Predictions& predictions) 
 }
 
 /// Whether every determined parameter moved by a negligible share of its standard error.
-bool rests(const std::vector<ParameterEstimate>& estimates, const Eigen::VectorXd& before,
-           const Eigen::VectorXd& after) {
+bool rests(const ParametricLaw& law, const std::vector<ParameterEstimate>& estimates,
+           const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   for (Eigen::Index k = 0; k < before.size(); ++k) {
     const auto& error = estimates[static_cast<std::size_t>(k)].standard_error;
-    if (error && std::abs(after[k] - before[k]) > kRestingError * *error) return false;
+    if (error && std::abs(after[k] - before[k]) > law.resting_error * *error) return false;
   }
   return true;
 }
 
 }  // namespace
+
+void check_identify_options(IdentifyOptions options) {
+  require_in_range(fields_of(options));
+  if (options.displacement_noise.has_value() == options.force_noise.has_value()) return;
+  throw InvalidInput({{options.displacement_noise ? kDisplacementNoise : kForceNoise, true},
+                      {" is given alone; give both "},
+                      {kDisplacementNoise, true},
+                      {" [mm] and "},
+                      {kForceNoise, true},
+                      {" [N], or neither"}});
+}
 
 LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
                      std::span<const probing::Contact> contacts, const IdentifyOptions& options) {
@@ -231,7 +313,7 @@ LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
 
   const Eigen::VectorXd start = best_start(plain, size);
   SearchResult found = search(plain, equal_weights(pairs.size(), size), start,
-                              predict(plain, start), kMostIterations, kFar);
+                              law.predict(start, plain.pairs, {}), kMostIterations, kFar);
   LawEstimate result;
   Identification& report = result.report;
   report.pairs = static_cast<int>(pairs.size());
@@ -257,9 +339,8 @@ LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
     const Eigen::VectorXd before = found.parameters;
     found = search(robust, weights, before, std::move(found.predictions), kMostIterations, kNear);
     report.iterations += found.iterations;
-    report.parameters =
-        describe(law, found.parameters, normal_equations(robust, weights, found.predictions));
-    settled = found.converged && rests(report.parameters, before, found.parameters);
+    describe(law, found.parameters, normal_equations(robust, weights, found.predictions), report);
+    settled = found.converged && rests(law, report.parameters, before, found.parameters);
   }
   result.parameters = found.parameters.head(wanted.scale.size());
   report.displacement_noise = noise.displacement;
@@ -273,7 +354,14 @@ LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
       *parameter.standard_error *= std::sqrt(*report.chi2);
     }
   }
+  widen_by_contacts(robust, weights, found, report);
   report.parameters.pop_back();
+  const Eigen::Index wanted_count = wanted.scale.size();
+  report.correlations.conservativeResize(wanted_count, wanted_count);
+  result.weights = std::move(weights);
+  result.predictions = std::move(found.predictions);
+  for (Prediction& prediction : result.predictions)
+    prediction.by_parameters.conservativeResize(3, wanted_count);
   if (!noise.known) {
     report.chi2.reset();
     report.verdict = Verdict::not_testable;

@@ -13,9 +13,14 @@
 
 namespace palpate::haptics {
 
+/// \throws InvalidInput if an option is outside its range, or one noise is given without the other.
+void check_identify_options(IdentifyOptions options);
+
 struct LawEstimate {
   Eigen::VectorXd parameters;
   Identification report;
+  Weights weights;          ///< of the pairs, at the end
+  Predictions predictions;  ///< for the parameters
 };
 
 /// Weighted least squares over all pairs (described in identify.h).

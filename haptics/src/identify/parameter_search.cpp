@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <utility>
 
 #include "palpate/core/parallel_for.h"
 
@@ -18,12 +19,9 @@ constexpr double kLeastDamping = 1e-9;
 constexpr double kMostDamping = 1e12;
 /// Damping of directions without any effect, relative to the largest diagonal element.
 constexpr double kIdle = 1e-12;
-/// The search has converged iff a step changes the residuals by less than this fraction of their
-/// size, which is equally small in the parameters compared to their uncertainty. The damping has to
-/// be low as well, because a high damping shortens the step.
-constexpr double kRestingChange = 1e-4;
+/// A search may rest at a low damping only, because a high damping shortens the step.
 constexpr double kRestingDamping = 1e-5;
-/// It has also converged iff no parameter moves by more than this times its scale.
+/// It also rests if no parameter moves by more than this times its scale.
 constexpr double kRestingStep = 1e-10;
 
 /// Sum of Huber's loss; infinite without predictions.
@@ -56,22 +54,25 @@ Eigen::VectorXd damped_step(const ParametricLaw& law, const Eigen::VectorXd& at,
 
 }  // namespace
 
-Predictions predict(const Problem& problem, const Eigen::VectorXd& parameters,
-                    const Predictions& last) {
-  Predictions result(problem.pairs.size());
-  std::atomic<bool> refused = false;
-  parallel_for(result.size(), [&](std::size_t i) {
-    if (refused) return;
-    const auto found =
-        problem.law.predict(parameters, problem.pairs[i], last.empty() ? nullptr : &last[i]);
-    if (found && found->displacement.allFinite() && found->by_parameters.allFinite()) {
-      result[i] = *found;
-    } else {
-      refused = true;
-    }
-  });
-  if (refused) result.clear();
-  return result;
+decltype(ParametricLaw::predict) each_pair(
+    std::function<std::optional<Prediction>(const Eigen::VectorXd&, const Pair&, const Prediction*)>
+        predict) {
+  return [predict = std::move(predict)](const Eigen::VectorXd& parameters,
+                                        std::span<const Pair> pairs, const Predictions& last) {
+    Predictions result(pairs.size());
+    std::atomic<bool> refused = false;
+    parallel_for(pairs.size(), [&](std::size_t i) {
+      if (refused) return;
+      const auto found = predict(parameters, pairs[i], last.empty() ? nullptr : &last[i]);
+      if (found && found->displacement.allFinite() && found->by_parameters.allFinite()) {
+        result[i] = *found;
+      } else {
+        refused = true;
+      }
+    });
+    if (refused) result.clear();
+    return result;
+  };
 }
 
 std::vector<Eigen::Vector3d> residuals(const Problem& problem, const Weights& weights,
@@ -133,8 +134,8 @@ SearchResult search(const Problem& problem, const Weights& weights, const Eigen:
       state.converged =
           step.cwiseAbs().maxCoeff() <= kRestingStep || damping > kMostDamping ||
           (damping <= kRestingDamping &&
-           step.dot(normal.matrix * step) <= kRestingChange * kRestingChange * state.cost);
-      Predictions tried = predict(problem, next, state.predictions);
+           step.dot(normal.matrix * step) <= law.resting_change * law.resting_change * state.cost);
+      Predictions tried = law.predict(next, problem.pairs, state.predictions);
       const double cost = cost_of(problem, residuals(problem, weights, tried));
       accepted = cost < state.cost;
       if (accepted) {

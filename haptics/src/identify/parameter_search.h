@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,9 @@
 
 namespace palpate::haptics {
 
-/// Largest number of parameters of a law, so that derivatives need no dynamic memory: nine of a
-/// strip, and the share of held errors.
-inline constexpr int kMaxParameters = 10;
+/// Largest number of parameters of a law, so that derivatives need no dynamic memory: those of a
+/// solid of 13 regions, and the share of held errors.
+inline constexpr int kMaxParameters = 16;
 
 /// Displacement that a law predicts for a force, and its derivative.
 struct Prediction {
@@ -24,18 +25,33 @@ struct Prediction {
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxParameters> by_parameters;
 };
 
+using Predictions = std::vector<Prediction>;
+
 /// A parametric law to be estimated.
 struct ParametricLaw {
   std::vector<std::string> names, units;
   Eigen::VectorXd scale;         ///< size at which a change of the parameter is large; > 0
   Eigen::VectorXd lower, upper;  ///< bounds; may be infinite
   std::vector<Eigen::VectorXd> starts;
-  /// Predicts the displacement for a pair's force; empty if these parameters give none. `last` is
-  /// the prediction for nearby parameters, or null. Called from several threads.
-  std::function<std::optional<Prediction>(const Eigen::VectorXd& parameters, const Pair& pair,
-                                          const Prediction* last)>
+  /// A search rests once a step changes the residuals by less than this fraction of their size,
+  /// which is equally small in the parameters compared to their uncertainty.
+  double resting_change = 1e-4;
+  /// Weights rest once no parameter changes by more than this times its standard error.
+  double resting_error = 0.02;
+  /// Predicts the displacements for the forces of all pairs; empty if these parameters give none
+  /// for one of them. `last` is empty or holds the predictions for nearby parameters.
+  std::function<Predictions(const Eigen::VectorXd& parameters, std::span<const Pair> pairs,
+                            const Predictions& last)>
       predict;
 };
+
+/// The function `ParametricLaw::predict` of a law that predicts each pair by itself, or nothing if
+/// the parameters give none. `last` is the prediction for nearby parameters, or null. It is called
+/// from several threads.
+[[nodiscard]] decltype(ParametricLaw::predict) each_pair(
+    std::function<std::optional<Prediction>(const Eigen::VectorXd& parameters, const Pair& pair,
+                                            const Prediction* last)>
+        predict);
 
 /// The residual of pair i is whiten_i r_i, r = displacement - prediction; with `shared_error` it is
 /// whiten_i (r_i - r_settled) except for the settled pair itself.
@@ -49,12 +65,6 @@ struct Problem {
   std::vector<Pair> pairs;
   double huber = std::numeric_limits<double>::infinity();  ///< threshold of Huber's loss
 };
-
-using Predictions = std::vector<Prediction>;
-
-/// Predictions for all pairs; empty if the law has none for any of them.
-[[nodiscard]] Predictions predict(const Problem& problem, const Eigen::VectorXd& parameters,
-                                  const Predictions& last = {});
 
 [[nodiscard]] std::vector<Eigen::Vector3d> residuals(const Problem& problem, const Weights& weights,
                                                      const Predictions& predictions);

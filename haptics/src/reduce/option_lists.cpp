@@ -5,6 +5,7 @@
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/identify.h"
+#include "palpate/haptics/identify_solid.h"
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
@@ -20,6 +21,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(left_out, visitor);
   IdentifyOptions identification;
   visit(identification, visitor);
+  SolidOptions solid;
+  visit(solid, visitor);
   MergeModelsOptions merging;
   visit(merging, visitor);
   ReduceOptions reduction;

@@ -21,6 +21,9 @@ struct Pair {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< [N]
   /// [N] what the force is expected to be off, since the tool held (`expect_held`)
   Eigen::Vector3d held_error = Eigen::Vector3d::Zero();
+  /// [mm] standard deviation of each component that the law which explains the pair is expected to
+  /// be off; pairs of one contact share such errors
+  double law_error = 0;
 };
 
 /// The realigned pairs of all contacts.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,6 +61,9 @@ struct ContactAgreement {
 /// How well a parametric model agrees with an acquisition.
 struct Identification {
   std::vector<ParameterEstimate> parameters;
+  /// Of the errors of two parameters, as many rows and columns as parameters; NaN where one is not
+  /// determined.
+  Eigen::MatrixXd correlations;
   std::vector<ContactAgreement> contacts;  ///< those with samples, in the acquisition's order
   std::optional<double> chi2;              ///< per degree of freedom; empty if not testable
   double rms = 0;                          ///< [mm] sqrt(mean |error|^2) of the displacements
@@ -84,7 +88,8 @@ struct Identification {
 //
 // The solver is Levenberg-Marquardt with bounds; S is updated until the parameters converge.
 // Standard errors are those of the linearised problem. A parameter is not determined if changing it
-// by its own size, alone or with others, changes the data by less than three deviations. The result
+// by its own size, alone or with others, changes the data by less than three deviations; the errors
+// of the others then allow for a change by its size. The result
 // does not depend on unit, frame or the order of samples.
 //
 // Both throw InvalidInput if an option is outside its range or there is no sample; SolverError if

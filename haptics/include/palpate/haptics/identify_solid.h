@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "palpate/core/fields.h"
+#include "palpate/haptics/identify.h"
+#include "palpate/probing/acquisition.h"
+#include "palpate/probing/finite_element_specimen.h"
+#include "palpate/probing/material_text.h"
+
+namespace palpate::haptics {
+
+/// `visit` describes the fields.
+struct SolidOptions {
+  int max_pairs = 150;
+  /// Pairs of displacement and force that are repeated on a mesh of half the size of elements.
+  int mesh_pairs = 12;
+  /// Called after each equilibrium with the steps done and those expected at most, from one thread
+  /// at a time. An exception that it throws ends the work.
+  std::function<void(int done, int total)> progress = {};
+};
+
+void visit(SolidOptions& options, FieldVisitor& visitor);
+
+struct IdentifiedSolid {
+  /// As given, with the material, the moves of supports and the friction that were found. What is
+  /// not determined is as given.
+  probing::FiniteElementObject object;
+  /// "shear modulus" (or "shear modulus of region 0", ...), "bulk over shear modulus" and, if
+  /// supports move, "pre-stretch"; then "friction", which has no part in `correlations`
+  Identification report;
+  /// By how much the mesh makes each parameter of the report wrong, in its unit; corrected. NaN:
+  /// not known.
+  std::vector<double> mesh_errors;
+  /// Large normal presses at contacts that are far apart, the largest first.
+  std::vector<probing::KnownPress> presses;
+  std::vector<long long> left_out;  ///< ids of contacts that the tip cannot reach on this solid
+};
+
+/// Estimates the material of a solid whose geometry, supports and regions are known, from where a
+/// ball was displaced by which force.
+///
+/// The displacement of a contact under a force is that of `ContactEquilibrium`; the ball comes
+/// along the contact's normal. Parameters are the shear modulus of each region; one bulk modulus,
+/// for all regions in proportion to their shear moduli as given; and, if supports move, one factor
+/// for all moves. They begin at the values given, which may be wrong by a factor of 60 altogether.
+/// The estimate is the one that identify.h describes, with derivatives of the equilibria from their
+/// factored tangents (`ContactEquilibrium::sensitivity`).
+///
+/// Displacements on a mesh are off by some per cent, and pairs of a contact share this error. Some
+/// pairs are therefore repeated on a mesh of half the size. What the difference does to each
+/// parameter is corrected and has its part in the standard error; the scatter that remains has its
+/// part in the weights, and standard errors are at least those that the scatter of contacts shows.
+///
+/// The friction is the mean of the coefficients of contacts where their cone is determined. A round
+/// tip slides at a larger force than a point, see docs/probing-validation.md.
+/// \throws InvalidInput if an option is outside its range, the solid is not valid, a contact is
+/// further from it than the radius of the tip, the acquisition states another radius or there is no
+/// sample; SolverError if no equilibrium is found with any modulus near those given.
+[[nodiscard]] IdentifiedSolid identify_solid(const probing::CheckedAcquisition& acquisition,
+                                             const probing::FiniteElementObject& object,
+                                             const SolidOptions& solid = {},
+                                             const IdentifyOptions& options = {});
+
+}  // namespace palpate::haptics

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify/pair_selection.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+
+// Three contacts with two levels; to each the settled pair and eight that were dragged.
+std::vector<Pair> many_pairs() {
+  std::vector<Pair> pairs;
+  for (std::size_t contact = 0; contact < 3; ++contact) {
+    for (int level = 1; level <= 2; ++level) {
+      const std::size_t settled = pairs.size();
+      for (int k = 0; k <= 8; ++k) {
+        const double angle = 0.8 * k;
+        const Vector3d drag =
+            k == 0 ? Vector3d(0, 0, 0)
+                   : Vector3d(0.4 * level * std::cos(angle), 0.4 * level * std::sin(angle), 0);
+        pairs.push_back({.contact = contact,
+                         .settled = settled,
+                         .displacement = {0, 0, 1},
+                         .force = Vector3d(0, 0, level) + drag});
+      }
+    }
+  }
+  return pairs;
+}
+
+TEST(PairSelection, SpreadsOverContactsAndForcesAndKeepsTheNormalForces) {
+  const std::vector<Pair> few = spread_pairs(many_pairs(), {true, false, true}, 8);
+  int contacts[3] = {};
+  bool small = false, left = false, right = false;
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    ++contacts[few[i].contact];
+    ASSERT_LE(few[i].settled, i);
+    EXPECT_EQ(few[few[i].settled].settled, few[i].settled);
+    EXPECT_EQ(few[few[i].settled].contact, few[i].contact);
+    EXPECT_EQ(few[few[i].settled].force.z(), few[i].force.z());
+    small = small || few[i].force.z() == 1;
+    left = left || few[i].force.x() < -0.5;
+    right = right || few[i].force.x() > 0.5;
+  }
+  EXPECT_EQ(contacts[1], 0);
+  EXPECT_GE(contacts[0], 4);
+  EXPECT_LE(contacts[0], 6);
+  EXPECT_EQ(contacts[0], contacts[2]);
+  EXPECT_TRUE(small && left && right);
+  EXPECT_EQ(spread_pairs(many_pairs(), {true, true, true}, 1000).size(), many_pairs().size());
+}
+
+TEST(PairSelection, LeavesOutWhatTellsNothing) {
+  std::vector<Pair> pairs = many_pairs();
+  for (Pair& pair : pairs)
+    if (pair.contact == 0) pair.force.setZero();
+  for (const Pair& pair : spread_pairs(pairs, {true, true, true}, 12)) EXPECT_NE(pair.contact, 0U);
+}
+
+TEST(PairSelection, TakesLargeForcesAtContactsFarApart) {
+  const std::vector<probing::Contact> contacts{
+      {0, {0, 0, 0}, {0, 0, 1}}, {1, {1, 0, 0}, {0, 0, 1}}, {2, {50, 0, 0}, {0, 0, 1}}};
+  const std::vector<Pair> pairs = many_pairs();
+  const std::vector<std::size_t> large = largest_pairs(pairs, contacts, 4);
+  ASSERT_EQ(large.size(), 4U);
+  for (const std::size_t i : large) {
+    EXPECT_NE(pairs[i].contact, 1U);
+    EXPECT_EQ(pairs[i].force.z(), 2);
+  }
+  EXPECT_EQ(std::ranges::count_if(large, [&](std::size_t i) { return pairs[i].settled == i; }), 2);
+}
+
+}  // namespace
+}  // namespace palpate::haptics
