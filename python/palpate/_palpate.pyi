@@ -759,6 +759,8 @@ class Identification(_Result):
     @property
     def parameters(self) -> list[ParameterEstimate]: ...
     @property
+    def correlations(self) -> _Float64: ...
+    @property
     def chi2(self) -> float | None: ...
     @property
     def rms(self) -> float: ...
@@ -779,6 +781,29 @@ def identify(
     max_chi2: float = ...,
     min_explained: float = ...,
 ) -> Identification: ...
+
+class IdentifiedSolid(_Result):
+    @property
+    def report(self) -> Identification: ...
+    @property
+    def specimen(self) -> Specimen: ...
+    @property
+    def mesh_errors(self) -> _Float64: ...
+    @property
+    def left_out(self) -> list[int]: ...
+
+def identify_solid(
+    acquisition: Acquisition,
+    specimen: Specimen,
+    *,
+    progress: _Progress = ...,
+    max_pairs: int = ...,
+    mesh_pairs: int = ...,
+    displacement_noise: float | None = ...,
+    force_noise: float | None = ...,
+    max_chi2: float = ...,
+    min_explained: float = ...,
+) -> IdentifiedSolid: ...
 
 class MergedModel(_Result):
     @property

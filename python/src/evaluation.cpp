@@ -11,7 +11,11 @@
 #include "long_work.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/identify.h"
+#include "palpate/haptics/identify_solid.h"
+#include "palpate/probing/material_text.h"
+#include "palpate/probing/specimen_file.h"
 #include "plausible.h"
+#include "specimen_binding.h"
 
 // How well a model, or a parametric model, agrees with measurements.
 namespace palpate::python {
@@ -171,6 +175,10 @@ void add_identification(py::module_& module) {
           "Whether the parametric model describes the object: 'describes', 'does_not_describe', "
           "'not_testable' or 'not_converged'. Read this first.")
       .def_readonly("parameters", &Identification::parameters, "The parameters, with errors.")
+      .def_property_readonly(
+          "correlations", [](const Identification& found) { return copy_of(found.correlations); },
+          "(P, P) of the errors of the parameters, without friction; NaN where one is not "
+          "determined.")
       .def_readonly("chi2", &Identification::chi2,
                     "Chi^2 per degree of freedom; None if not testable.")
       .def_readonly("rms", &Identification::rms, "[mm] of the errors of the displacements.")
@@ -213,12 +221,84 @@ Raises InvalidInput or SolverError; warns (UserWarning) of suspicious measuremen
       doc.c_str());
 }
 
+struct MaterialFound {
+  haptics::IdentifiedSolid found;
+  Specimen specimen;
+};
+
+void add_solid_identification(py::module_& module) {
+  py::class_<MaterialFound>(module, "IdentifiedSolid", "The result of identify_solid().")
+      .def_property_readonly(
+          "report", [](const MaterialFound& result) { return result.found.report; },
+          "The parameters with their errors, and the verdict.")
+      .def_property_readonly(
+          "specimen", [](const MaterialFound& result) { return result.specimen; },
+          "The solid with the material that was found; what is not determined is as given.")
+      .def_property_readonly(
+          "mesh_errors",
+          [](const MaterialFound& result) {
+            return copy_of(Eigen::Map<const Eigen::VectorXd>(result.found.mesh_errors.data(),
+                                                             std::ssize(result.found.mesh_errors)));
+          },
+          "(P,) by how much the mesh makes each parameter wrong, in its unit, without friction; "
+          "corrected. NaN: not known.")
+      .def_property_readonly(
+          "left_out", [](const MaterialFound& result) { return result.found.left_out; },
+          "Ids of contacts that the tip cannot reach on the solid.");
+  haptics::SolidOptions usual;
+  haptics::IdentifyOptions usual_estimate;
+  const std::string doc = described(
+      "identify_solid(acquisition: Acquisition, specimen: Specimen, *, progress: Callable | None = "
+      "None",
+      "IdentifiedSolid",
+      R"(Estimates the material of a solid, as `palpate identify --finite-elements` does.
+
+specimen: of the type finite_elements; its geometry, supports and regions are known.
+progress: called as progress(done, total) after each equilibrium; Ctrl-C is heard then.
+Raises InvalidInput or SolverError; warns (UserWarning) of suspicious measurements.)",
+      [&](FieldVisitor& visitor) {
+        visit(usual, visitor);
+        visit(usual_estimate, visitor);
+      });
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "identify_solid",
+      [](const CheckedAcquisition& acquisition, const Specimen& specimen,
+         const py::object& progress, const py::kwargs& keywords) {
+        haptics::SolidOptions solid;
+        haptics::IdentifyOptions options;
+        set_fields(
+            [&](FieldVisitor& visitor) {
+              visit(solid, visitor);
+              visit(options, visitor);
+            },
+            keywords);
+        check_plausible("identify_solid()", acquisition);
+        const std::string source = "specimen";
+        LongWork work(progress);
+        solid.progress = work.report();
+        MaterialFound result;
+        result.found = work.run([&] {
+          return haptics::identify_solid(
+              acquisition, probing::parse_finite_elements(specimen.text, source), solid, options);
+        });
+        result.specimen =
+            new_specimen(probing::with_material(specimen.text, source, result.found.object,
+                                                result.found.presses),
+                         source);
+        return result;
+      },
+      arg("acquisition"), arg("specimen"), kw_only(), arg("progress") = py::none(), doc.c_str());
+}
+
 }  // namespace
 
 void add_evaluation(py::module_& module) {
   add_query_errors(module);
   add_leave_one_out(module);
   add_identification(module);
+  add_solid_identification(module);
 }
 
 }  // namespace palpate::python

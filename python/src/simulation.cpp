@@ -18,6 +18,7 @@
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/specimen_trials.h"
 #include "palpate/probing/virtual_arm.h"
+#include "specimen_binding.h"
 
 namespace palpate::python {
 namespace {
@@ -27,12 +28,6 @@ using probing::ArmState;
 using probing::ContactPlan;
 using probing::PlanOptions;
 using probing::VirtualArm;
-
-/// A simulated object, and the text that it was made of.
-struct Specimen {
-  std::shared_ptr<const probing::Specimen> object;
-  std::string text;
-};
 
 /// JSON of the members. \throws InvalidInput naming the one that JSON cannot hold.
 std::string text_of(const py::dict& members) {
@@ -47,11 +42,6 @@ std::string text_of(const py::dict& members) {
     }
   }
   return py::str(dumps(members));
-}
-
-Specimen new_specimen(const std::string& text, const std::string& source) {
-  const Unlocked unlocked;  // finite elements take seconds
-  return {probing::parse_specimen(text, source), text};
 }
 
 void add_specimen(py::module_& module) {
@@ -342,6 +332,11 @@ Equal seeds and commands give equal states, bit by bit.)")
 }
 
 }  // namespace
+
+Specimen new_specimen(const std::string& text, const std::string& source) {
+  const Unlocked unlocked;  // finite elements take seconds
+  return {probing::parse_specimen(text, source), text};
+}
 
 void add_simulation(py::module_& module) {
   add_specimen(module);

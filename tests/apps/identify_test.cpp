@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "run_palpate.h"
@@ -50,6 +51,96 @@ TEST_F(Identify, TellsThatASheetIsNoHalfSpace) {
       run_palpate({"identify", acquisition, "--model", "half-space", "--tool-radius", "3"});
   ASSERT_EQ(result.status, kDone) << result.err;
   EXPECT_NE(result.out.find("does not describe"), std::string::npos) << result.out;
+}
+
+/// A block, probed on 5 x 5 x 2 cells with exact positions.
+class IdentifySolid : public ::testing::Test {
+ protected:
+  static std::string block(const std::string& shear_modulus) {
+    return R"({"type": "finite_elements", "size": [40, 40, 16], "cells": [5, 5, 2],
+               "bulk_modulus": 0.6, "shear_modulus": )" +
+           shear_modulus + "}";
+  }
+
+  void SetUp() override {
+    const std::string truth = scratch / "truth.json";
+    write_text(truth, block("0.06"));
+    write_text(given, block("0.03"));
+    ASSERT_EQ(run_palpate({"probe", "truth", truth, "-o", scratch / "truth"}).status, kDone);
+    const std::string plan = scratch / "plan.json";
+    const CommandResult planned =
+        run_palpate({"probe", "plan", scratch / "truth/surface.ply", "--spacing", "14",
+                     "--max-force", "1.2", "-o", plan});
+    ASSERT_EQ(planned.status, kDone) << planned.err;
+    const CommandResult probed =
+        run_palpate({"probe", "run", plan, "--specimen", truth, "-o", acquisition});
+    ASSERT_EQ(probed.status, kDone) << probed.err;
+  }
+
+  ScratchFolder scratch;
+  const std::string given = scratch / "given.json", acquisition = scratch / "acquisition.db",
+                    card = scratch / "identified.json";
+};
+
+TEST_F(IdentifySolid, WritesASpecimenFileThatOtherCommandsUse) {
+  const std::vector<std::string> call{"identify",    acquisition, "--finite-elements", given,
+                                      "--max-pairs", "30",        "--mesh-pairs",      "2",
+                                      "-o",          card};
+  std::vector<std::string> with_figures = call;
+  with_figures.emplace_back("--json");
+  const CommandResult result = run_palpate(with_figures);
+  ASSERT_EQ(result.status, kDone) << result.err;
+  const nlohmann::json figures = nlohmann::json::parse(result.out);
+  EXPECT_EQ(figures["model"], "finite-elements");
+  EXPECT_EQ(figures["file"], card);
+  EXPECT_EQ(figures["mesh_errors"].size(), 2U);
+  const nlohmann::json& shear = figures["parameters"][0];
+  ASSERT_EQ(shear["status"], "determined");
+  // The estimate corrects for a mesh on which the measurements were made: it must not be exact.
+  EXPECT_NEAR(shear["value"].get<double>() + figures["mesh_errors"][0].get<double>(), 0.06, 0.004);
+
+  const nlohmann::json written = nlohmann::json::parse(read_text(card));
+  EXPECT_EQ(written["shear_modulus"], shear["value"]);
+  EXPECT_EQ(written["identified"]["parameters"], figures["parameters"]);
+  EXPECT_EQ(run_palpate({"bake", card, "--contacts", "3", "-o", scratch / "model"}).status, kDone);
+  for (const auto& [simulator, file] :
+       {std::pair("calculix", "solid.inp"), {"sofa", "solid.scn"}, {"mujoco", "solid.xml"}}) {
+    const CommandResult exported =
+        run_palpate({"export", card, "--material", simulator, "-o", scratch / file});
+    EXPECT_EQ(exported.status, kDone) << exported.err;
+  }
+  EXPECT_NE(read_text(scratch / "solid.inp").find("** Press of contact"), std::string::npos);
+  EXPECT_NE(read_text(scratch / "solid.msh").find("$Elements"), std::string::npos);
+}
+
+TEST_F(IdentifySolid, RefusesWhatCannotBeASolidOfTheMeasurements) {
+  const auto refused = [&](const std::vector<std::string>& call) {
+    const CommandResult result = run_palpate(call);
+    EXPECT_EQ(result.status, kWrongCall) << call.back();
+    return result.err;
+  };
+  using ::testing::HasSubstr;
+  const std::string other = scratch / "other.json";
+  write_text(other, R"({"type": "sheet"})");
+  EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", other}),
+              HasSubstr("must be of the type finite_elements"));
+  write_text(other, block("0.03").replace(1, 0, "\"tip_radius\": 3, "));
+  EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", other}),
+              HasSubstr("tip_radius of 3 mm"));
+  EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", scratch / "none.json"}),
+              HasSubstr("none.json"));
+  EXPECT_THAT(refused({"identify", acquisition, "-o", card}), HasSubstr("--finite-elements"));
+  EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", given, "-o", given}),
+              HasSubstr("given.json"));
+  EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", given, "--model", "strip"}),
+              HasSubstr("--model"));
+  EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", given, "--max-pairs", "0"}),
+              HasSubstr("--max-pairs"));
+  EXPECT_THAT(refused({"export", acquisition, "--material", "sofa", "-o", scratch / "a.scn"}),
+              HasSubstr("acquisition.db"));
+  EXPECT_THAT(refused({"export", given, "--material", "sofa", "-o", scratch / "a.inp"}),
+              HasSubstr("must end in .scn"));
+  EXPECT_FALSE(std::filesystem::exists(card));
 }
 
 TEST_F(Identify, RefusesWrongCalls) {

@@ -61,6 +61,25 @@ class Evaluation(unittest.TestCase):
         again = next(parameter for parameter in known.parameters if parameter.name == "tension")
         self.assertLess(abs(again.value - tension.value), 3 * tension.standard_error)
 
+    def test_a_solid_is_identified_from_presses_that_the_solid_itself_answers(self):
+        block = {"type": "finite_elements", "size": [30, 30, 12], "cells": [4, 4, 2], "shear_modulus": 0.05}
+        truth = palpate.Specimen({**block, "shear_modulus": 0.08, "bulk_modulus": 1.6})
+        at = np.array([1.0, 2.0, 700.0])
+        forces = np.array([[0, 0, 0.5], [0, 0, 1.0], [0.2, 0, 1.0]])
+        moved = at + np.array([truth.displacement(at, force) for force in forces])
+        acquisition = palpate.Acquisition(
+            [at], [[0, 0, -1]], [0, 0], forces[[0, 2]], moved[[0, 1]], moved[[0, 2]], group=[0, 1])
+        found = palpate.identify_solid(
+            acquisition, palpate.Specimen(block), mesh_pairs=0, displacement_noise=0.01, force_noise=0)
+        shear = found.report.parameters[0]
+        self.assertEqual((shear.name, shear.unit, shear.status), ("shear modulus", "N/mm^2", "determined"))
+        self.assertAlmostEqual(shear.value, 0.08, delta=0.004)
+        self.assertTrue(np.isnan(found.mesh_errors).all())
+        again = found.specimen.displacement(at, forces[1]) - (moved[1] - at)
+        self.assertLess(np.linalg.norm(again), 0.05)
+        with self.assertRaisesRegex(palpate.InvalidInput, "max_pairs"):
+            palpate.identify_solid(acquisition, palpate.Specimen(block), max_pairs=0)
+
     def test_a_sheet_is_no_half_space(self):
         self.assertEqual(palpate.identify(self.acquisition, "half-space", tool_radius=3).verdict, "does_not_describe")
         with self.assertRaisesRegex(palpate.InvalidInput, "tool_radius"):

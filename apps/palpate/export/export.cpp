@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "export/export_page.h"
+#include "export/material_files.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
@@ -28,6 +29,7 @@ struct ExportCall {
   PageCall page;       ///< its input and output are those of all formats
   bool color = false;  ///< of a range map
   bool ply = false, obj = false, vtk = false, glb = false, json = false, cbor = false, html = false;
+  std::string material;  ///< a simulator
 };
 
 std::string ending_of(const ExportCall& call) {
@@ -84,7 +86,17 @@ void write_without_page(const ExportCall& call, PageContent content) {
   geometry::write_mesh_file(call.page.output, surface_of(call.page, content, call.color));
 }
 
+void export_material(const Settings& settings, ExportCall call) {
+  const std::string ending = simulator_ending(call.material);
+  fs::path& output = call.page.output;
+  if (output.empty()) output = "solid" + ending;
+  check_output(call.page.input, output, ending);
+  const std::string written = write_material(call.page.input, call.material, output);
+  print(settings, {{"file", output.string()}}, "Written to " + output.string() + ": " + written);
+}
+
 void export_as(const Settings& settings, ExportCall call) {
+  if (!call.material.empty()) return export_material(settings, std::move(call));
   const std::string ending = ending_of(call);
   fs::path& output = call.page.output;
   const PageContent content = content_of(call.page.input);
@@ -106,11 +118,12 @@ void add_export(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ExportCall>();
   PageCall& page = call->page;
   CLI::App* command = app.add_subcommand(
-      "export", "Export a model, a mesh or a range map for other programs, or as a web page");
+      "export",
+      "Export a model, a mesh, a range map or a solid for other programs, or as a web page");
   command
       ->add_option("INPUT", page.input,
                    "Model folder, range map, depth image or mesh; with --html also a folder of "
-                   "range maps, depth images or meshes")
+                   "range maps, depth images or meshes; with --material a specimen file")
       ->required();
   CLI::Option_group* format = command->add_option_group("format", "What to write");
   format->add_flag("--ply", call->ply, "The surface (of a model: undeformed) as PLY");
@@ -124,6 +137,11 @@ void add_export(CLI::App& app, const Settings& settings) {
       "--html", call->html,
       "A page, one file for any browser: a model to press and to drag on, range maps in "
       "false colour and in space, or meshes");
+  format
+      ->add_option("--material", call->material,
+                   "The solid of a specimen file, with its material, for a simulator: calculix, "
+                   "mujoco or sofa")
+      ->check(one_of(simulators()));
   format->require_option(1);
   command
       ->add_flag("--color", call->color,
@@ -145,7 +163,7 @@ void add_export(CLI::App& app, const Settings& settings) {
   command->add_option("--title", page.title, "Title of the page (default: name of the input)");
   command->add_option(
       "-o,--output", page.output,
-      "File to write (default: model, range or mesh with the ending of the format)");
+      "File to write (default: model, range, mesh or solid with the ending of the format)");
   command->footer(
       "Here --json selects the format of the file; this command prints no JSON.\n"
       "A page of range maps also shows the predicted deviations and the reasons of lost pixels "
@@ -160,7 +178,8 @@ void add_export(CLI::App& app, const Settings& settings) {
       "  palpate export depth/ --html --scale 1 --intrinsics 600,600,320,240 --every 5 -o "
       "range.html\n"
       "  palpate export surface.ply --html -o surface.html\n"
-      "  palpate export meshes/ --html -o track.html");
+      "  palpate export meshes/ --html -o track.html\n"
+      "  palpate export identified.json --material calculix -o solid.inp");
   command->callback([call, &settings] { export_as(settings, *call); });
 }
 

@@ -3,19 +3,28 @@
 #include "palpate/haptics/identify.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ostream>
 #include <string>
 
 #include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "palpate/core/require.h"
+#include "palpate/haptics/identify_solid.h"
+#include "palpate/probing/fingerprint.h"
+#include "palpate/probing/material_text.h"
+#include "palpate/probing/specimen_file.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/plausible.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -26,6 +35,9 @@ struct IdentifyCall {
   std::filesystem::path acquisition;
   std::string model = "strip";
   std::optional<double> tool_radius;
+  std::optional<std::filesystem::path> solid;  ///< specimen file of a solid of finite elements
+  std::optional<std::filesystem::path> card;   ///< file to write
+  haptics::SolidOptions solid_options;
   haptics::IdentifyOptions options;
 };
 
@@ -67,18 +79,51 @@ std::string describe(const haptics::ParameterEstimate& parameter) {
   return "";
 }
 
-void report(const Settings& settings, const IdentifyCall& call,
-            const haptics::Identification& found, Json figures, const Json& warnings) {
-  Json parameters = Json::array(), contacts = Json::array();
-  std::string prose;
-  for (const haptics::ParameterEstimate& parameter : found.parameters) {
-    parameters.push_back({{"name", parameter.name},
-                          {"unit", parameter.unit},
-                          {"status", haptics::to_string(parameter.status)},
-                          {"value", number_or_null(parameter.value)},
-                          {"standard_error", number_or_null(parameter.standard_error)}});
-    prose += describe(parameter);
+Json listed(const std::vector<haptics::ParameterEstimate>& parameters) {
+  Json result = Json::array();
+  for (const haptics::ParameterEstimate& parameter : parameters)
+    result.push_back({{"name", parameter.name},
+                      {"unit", parameter.unit},
+                      {"status", haptics::to_string(parameter.status)},
+                      {"value", number_or_null(parameter.value)},
+                      {"standard_error", number_or_null(parameter.standard_error)}});
+  return result;
+}
+
+Json rows_of(const Eigen::MatrixXd& matrix) {
+  Json result = Json::array();
+  for (const auto& row : matrix.rowwise()) {
+    Json numbers = Json::array();
+    for (const double number : row)
+      numbers.push_back(std::isfinite(number) ? Json(number) : Json(nullptr));
+    result.push_back(numbers);
   }
+  return result;
+}
+
+/// Pairs of parameters that the data hardly tell apart.
+std::string describe_correlations(const haptics::Identification& found) {
+  constexpr double kStrong = 0.9;
+  std::string result;
+  for (Eigen::Index i = 0; i < found.correlations.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      if (!(std::abs(found.correlations(i, j)) > kStrong)) continue;
+      result +=
+          fmt::format("  the errors of {} and {} have a correlation of {:.2f}\n",
+                      found.parameters[static_cast<std::size_t>(j)].name,
+                      found.parameters[static_cast<std::size_t>(i)].name, found.correlations(i, j));
+    }
+  }
+  return result;
+}
+
+void report(const Settings& settings, const IdentifyCall& call,
+            const haptics::Identification& found, Json figures, const Json& warnings,
+            const std::string& remarks = {}) {
+  Json contacts = Json::array();
+  std::string prose;
+  for (const haptics::ParameterEstimate& parameter : found.parameters) prose += describe(parameter);
+  prose += describe_correlations(found) + remarks;
   int disagreeing = 0;
   for (const haptics::ContactAgreement& contact : found.contacts) {
     contacts.push_back({{"contact", contact.contact},
@@ -96,7 +141,8 @@ void report(const Settings& settings, const IdentifyCall& call,
   figures["outliers"] = found.outliers;
   figures["displacement_noise"] = found.displacement_noise;
   figures["force_noise"] = found.force_noise;
-  figures["parameters"] = parameters;
+  figures["parameters"] = listed(found.parameters);
+  figures["correlations"] = rows_of(found.correlations);
   figures["per_contact"] = contacts;
   figures["warnings"] = warnings;
   prose += fmt::format(
@@ -108,15 +154,81 @@ void report(const Settings& settings, const IdentifyCall& call,
   print(settings, figures, prose);
 }
 
-void identify(const Settings& settings, const IdentifyCall& call) {
+/// What a specimen file says of where its material comes from.
+Json provenance(const IdentifyCall& call, const haptics::IdentifiedSolid& found,
+                const probing::Acquisition& acquisition) {
+  return {{"parameters", listed(found.report.parameters)},
+          {"correlations", rows_of(found.report.correlations)},
+          {"verdict", haptics::to_string(found.report.verdict)},
+          {"chi2", number_or_null(found.report.chi2)},
+          {"rms", found.report.rms},
+          {"pairs", found.report.pairs},
+          {"measurements", call.acquisition.filename().string()},
+          {"fingerprint", probing::fingerprint(acquisition)},
+          {"palpate", PALPATE_VERSION}};
+}
+
+std::string describe_mesh(const haptics::IdentifiedSolid& found) {
+  std::string result;
+  for (std::size_t k = 0; k < found.mesh_errors.size(); ++k) {
+    const haptics::ParameterEstimate& parameter = found.report.parameters[k];
+    if (std::isfinite(found.mesh_errors[k]) && parameter.value)
+      result += fmt::format("{} {:+.1f} %", result.empty() ? "" : ",",
+                            100 * found.mesh_errors[k] / *parameter.value);
+    else
+      result += fmt::format("{} -", result.empty() ? "" : ",");
+  }
+  return "  corrected for the error of the mesh, which is" + result + " of these parameters\n";
+}
+
+void identify_solid(const Settings& settings, const IdentifyCall& call,
+                    const probing::CheckedAcquisition& acquisition, Json warnings) {
+  const std::string text = probing::read_specimen_text(*call.solid);
+  const probing::FiniteElementObject object =
+      probing::parse_finite_elements(text, call.solid->string());
+  if (call.card) check_outputs({call.acquisition, *call.solid}, {*call.card});
+  haptics::SolidOptions solid = call.solid_options;
+  solid.progress = shown_as("identifying the material");
+  const haptics::IdentifiedSolid found =
+      haptics::identify_solid(acquisition, object, solid, call.options);
+  Json mesh_errors = Json::array();
+  for (const double error : found.mesh_errors)
+    mesh_errors.push_back(std::isfinite(error) ? Json(error) : Json(nullptr));
+  std::string remarks;
+  if (call.solid_options.mesh_pairs > 0) remarks += describe_mesh(found);
+  if (!found.left_out.empty()) {
+    warnings.push_back(fmt::format(
+        "the tip cannot reach {} of {} contacts on this solid; they are left out: {}",
+        found.left_out.size(), acquisition.contacts().size(), fmt::join(found.left_out, ", ")));
+  }
+  Json figures{{"mesh_errors", mesh_errors}, {"left_out", found.left_out}};
+  if (call.card) {
+    Json card = Json::parse(
+        probing::with_material(text, call.solid->string(), found.object, found.presses));
+    card["identified"].update(provenance(call, found, acquisition.records()));
+    write_file(*call.card, [&](std::ostream& out) { out << card.dump(2) << "\n"; });
+    figures["file"] = call.card->string();
+  }
+  report(settings, call, found.report, figures, warnings, remarks);
+}
+
+void identify(const Settings& settings, IdentifyCall call) {
   if (call.model == "half-space" && !call.tool_radius) {
     throw InvalidInput(
         "palpate identify: --model half-space needs the radius of the tool; give --tool-radius");
   }
+  if (call.card && !call.solid) {
+    throw InvalidInput(
+        "palpate identify: --output is a specimen file with the material that was found; it needs "
+        "--finite-elements");
+  }
   Json warnings = Json::array();
   const probing::CheckedAcquisition acquisition =
       read_plausible_acquisition(call.acquisition, warnings);
-  if (call.model == "strip") {
+  if (call.solid) {
+    call.model = "finite-elements";
+    identify_solid(settings, call, acquisition, warnings);
+  } else if (call.model == "strip") {
     const haptics::IdentifiedStrip found = haptics::identify_strip(acquisition, call.options);
     report(settings, call, found.report, place(found.model), warnings);
   } else {
@@ -144,6 +256,15 @@ void add_identify(CLI::App& app, const Settings& settings) {
       ->add_option("--tool-radius", call->tool_radius,
                    "For the half-space: radius of the tool's flat end [mm]")
       ->check(within(above(0)));
+  CLI::Option* solid = command->add_option(
+      "--finite-elements", call->solid,
+      "Specimen file (JSON) of a solid of finite elements: shear moduli of its regions, bulk "
+      "modulus, pre-stretch and friction are estimated");
+  solid->excludes("--model")->excludes("--tool-radius");
+  add_fields_of(*solid, *command, fields_of(call->solid_options));
+  command->add_option("-o,--output", call->card,
+                      "With --finite-elements: the specimen file with the material that was found, "
+                      "its errors and where it comes from");
   add_fields(*command, fields_of(call->options));
   command->footer(
       "Parameters of the strip: tension and axial stiffness (force per strain) of the sheet, "
@@ -152,7 +273,8 @@ void add_identify(CLI::App& app, const Settings& settings) {
       "across the sheet, and direction of the axis. Parameters of the half-space: Young's modulus "
       "and Poisson's ratio.\n"
       "Examples:\n  palpate identify acquisition.db --model strip\n"
-      "  palpate identify acquisition.db --model half-space --tool-radius 3");
+      "  palpate identify acquisition.db --model half-space --tool-radius 3\n"
+      "  palpate identify acquisition.db --finite-elements solid.json -o identified.json");
   command->callback([call, &settings] { identify(settings, *call); });
 }
 

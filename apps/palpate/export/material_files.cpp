@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "export/material_files.h"
+
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "palpate/core/output_file.h"
+#include "palpate/probing/material_text.h"
+#include "palpate/probing/simulator_files.h"
+#include "palpate/probing/specimen_file.h"
+#include "shared/call_checks.h"
+
+namespace palpate::apps {
+
+std::vector<std::string> simulators() { return {"calculix", "mujoco", "sofa"}; }
+
+std::string simulator_ending(const std::string& simulator) {
+  if (simulator == "calculix") return ".inp";
+  return simulator == "mujoco" ? ".xml" : ".scn";
+}
+
+std::string write_material(const std::filesystem::path& input, const std::string& simulator,
+                           const std::filesystem::path& output) {
+  const std::string text = probing::read_specimen_text(input);
+  const probing::FiniteElementObject object = probing::parse_finite_elements(text, input.string());
+  if (simulator == "calculix") {
+    const std::vector<probing::KnownPress> presses = probing::parse_presses(text, input.string());
+    write_file(output, [&](std::ostream& out) { write_calculix(out, object, presses); });
+    if (presses.empty())
+      return "no press to compare with; palpate identify -o writes specimen files with some";
+    return fmt::format("its last step is the press of contact {} with a measured force of {:.4g} N",
+                       presses.front().contact, presses.front().force.norm());
+  }
+  std::filesystem::path mesh = output;
+  mesh.replace_extension(".msh");
+  check_outputs({input}, {output, mesh});
+  const std::string mesh_name = mesh.filename().string();
+  constexpr double kMetre = 1e-3;  // of a millimetre
+  const bool mujoco = simulator == "mujoco";
+  write_file(output, [&](std::ostream& out) {
+    if (mujoco) {
+      write_mujoco(out, object, mesh_name);
+    } else {
+      write_sofa(out, object, mesh_name);
+    }
+  });
+  write_file(mesh, [&](std::ostream& out) {
+    write_linear_gmsh(out, object.body.mesh, mujoco ? kMetre : 1);
+  });
+  return "it loads " + mesh.string();
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate::apps {
+
+/// Simulators whose input `export --material` writes.
+[[nodiscard]] std::vector<std::string> simulators();
+
+/// The ending of a simulator's file, such as ".inp".
+[[nodiscard]] std::string simulator_ending(const std::string& simulator);
+
+/// Writes a solid with its material for a simulator, and the mesh that it loads beside it.
+/// \param input a specimen file with a solid of finite elements.
+/// \return what was written, in words.
+/// \throws FileError, InvalidInput, SolverError as simulator_files.h says.
+std::string write_material(const std::filesystem::path& input, const std::string& simulator,
+                           const std::filesystem::path& output);
+
+}  // namespace palpate::apps
