@@ -16,6 +16,7 @@ set(needs_core "")
 set(needs_geometry "palpate_core = ${PROJECT_VERSION}, eigen3 >= 3.4")
 set(needs_sensing "palpate_geometry = ${PROJECT_VERSION}, opencv4 >= 4.6")
 set(needs_probing "palpate_geometry = ${PROJECT_VERSION}")
+set(needs_acquisition "palpate_sensing = ${PROJECT_VERSION}, palpate_probing = ${PROJECT_VERSION}")
 set(needs_haptics "palpate_probing = ${PROJECT_VERSION}")
 set(needs_c "")
 # Relative, so that `cmake --install --prefix` and moved folders work.

@@ -11,7 +11,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-LIBRARIES = ["core", "geometry", "sensing", "probing", "haptics", "c"]
+LIBRARIES = ["core", "geometry", "sensing", "probing", "acquisition", "haptics", "c"]
 PYTHON = """# Python reference
 
 ```{eval-rst}

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 SOURCES = {"core": "core/src", "geometry": "geometry/src", "sensing": "sensing/src", "probing": "probing/src",
-           "haptics": "haptics/src", "palpate": "apps/palpate"}
+           "acquisition": "acquisition/src", "haptics": "haptics/src", "palpate": "apps/palpate"}
 INCLUDE = re.compile(r'#include "([^"]+)"')
 
 

@@ -79,7 +79,8 @@ CampaignDescription read_description(sqlite3* database) {
   return {.plan = values["plan"],
           .strategy = values["strategy"],
           .arm = values["arm"],
-          .software = values["software"]};
+          .software = values["software"],
+          .camera = values["camera"]};
 }
 
 }  // namespace
@@ -157,6 +158,7 @@ CampaignStore CampaignStore::create(const std::filesystem::path& path,
           {"arm", &description.arm},
           {"software", &description.software}};
       for (const auto& [key, value] : values) (run << std::string(key) << *value).run();
+      if (!description.camera.empty()) (run << std::string("camera") << description.camera).run();
       (meta << std::string("source") << description.software).run();
       if (description.probe_radius)
         (meta << std::string(kProbeRadius) << to_text(*description.probe_radius)).run();
@@ -297,6 +299,15 @@ std::vector<CampaignEvent> CampaignStore::events() const {
   return events;
 }
 
+int CampaignStore::range_maps() const {
+  try {
+    return static_cast<int>(
+        number_of(impl_->database.get(), "SELECT count(*) FROM sample WHERE range_map <> ''"));
+  } catch (const DatabaseError& wrong) {
+    throw FileError(impl_->path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
+}
+
 void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdict, double time,
                            const std::string& memory) {
   const TrialOrder& order = record.order;
@@ -314,17 +325,14 @@ void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdic
                    << result.work_dragging << result.work_releasing)
         .run();
     if (verdict.on_boundary) (*impl_->boundary << *verdict.on_boundary).run();
-    if (!result.reason.empty()) {
-      (*impl_->event << order.trial << std::string("no_equilibrium")
-                     << "contact " + std::to_string(order.contact.id) + ": " + result.reason)
+    const auto note = [&](const char* kind, const std::string& text) {
+      (*impl_->event << order.trial << std::string(kind)
+                     << "contact " + std::to_string(order.contact.id) + ": " + text)
           .run();
-    }
-    if (verdict.contact_given_up) {
-      (*impl_->event << order.trial << std::string("contact_given_up")
-                     << "contact " + std::to_string(order.contact.id) + ": " +
-                            to_string(result.outcome))
-          .run();
-    }
+    };
+    if (!result.reason.empty()) note("no_equilibrium", result.reason);
+    if (!result.no_range_map.empty()) note("no_range_map", result.no_range_map);
+    if (verdict.contact_given_up) note("contact_given_up", to_string(result.outcome));
     if (!memory.empty()) (*impl_->memory << memory).run();
   });
 }

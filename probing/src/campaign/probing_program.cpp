@@ -41,10 +41,12 @@ std::optional<ProbeAction> action_of(const ProgramState& state, const ProgramOpt
       return action;
     case ProgramStage::press:
       action.kind = ProbeActionKind::press;
+      action.measures_sample = order.direction < 0;
       return action;
     case ProgramStage::drag:
       action.kind = ProbeActionKind::drag;
       action.force += order.tangential_force;
+      action.measures_sample = true;
       return action;
     case ProgramStage::release:
       action.kind = ProbeActionKind::release;
@@ -87,6 +89,13 @@ std::optional<SlipJudgement> judge(const TrialOrder& order, const TrialResult& r
                                                 .microslip = order.microslip});
 }
 
+// What belongs to the sample in the report of the action that measures it.
+void take_sample(TrialResult& result, const ProbeReport& report) {
+  result.b = report.position;
+  result.range_map = report.range_map;
+  result.no_range_map = report.no_range_map;
+}
+
 // The stage after an action that succeeded.
 ProgramStage record_and_proceed(ProgramState& state, const ProbeReport& report,
                                 const ProgramOptions& options) {
@@ -100,11 +109,11 @@ ProgramStage record_and_proceed(ProgramState& state, const ProbeReport& report,
     case ProgramStage::press:
       result.a = report.position;
       if (state.order.direction >= 0) return ProgramStage::drag;
-      result.b = report.position;
+      take_sample(result, report);
       result.outcome = TrialOutcome::held;
       return ProgramStage::lift;
     case ProgramStage::drag:
-      result.b = report.position;
+      take_sample(result, report);
       result.creep = report.creep;
       result.work_dragging = report.work;
       return ProgramStage::release;
@@ -206,7 +215,7 @@ std::optional<Sample> sample_of(const TrialOrder& order, const TrialResult& resu
       result.outcome == TrialOutcome::held || result.outcome == TrialOutcome::slipped ||
       (result.outcome == TrialOutcome::fell_off && result.a.allFinite() && result.b.allFinite());
   if (!is_sample) return std::nullopt;
-  return Sample{.id = order.trial,
+  Sample sample{.id = order.trial,
                 .contact = order.contact.id,
                 .group = order.contact.id * 1000 + order.level,
                 .force = order.normal_force + order.tangential_force,
@@ -214,6 +223,8 @@ std::optional<Sample> sample_of(const TrialOrder& order, const TrialResult& resu
                 .b = result.b,
                 .slipped = result.outcome != TrialOutcome::held,
                 .time = time};
+  if (!result.range_map.empty()) sample.range_map = result.range_map;
+  return sample;
 }
 
 }  // namespace palpate::probing

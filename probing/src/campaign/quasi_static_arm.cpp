@@ -132,7 +132,9 @@ class QuasiStaticArm : public Prober {
     }
     Vector3d rest = place_ + *displacement;
     if (action.kind == ProbeActionKind::release) rest += microslip_;
-    return settle(action, rest, retardation_.share * *displacement - late_);
+    ProbeReport report = settle(action, rest, retardation_.share * *displacement - late_);
+    report.truth = {.contact = place_, .force = force, .tip = tip_};
+    return report;
   }
 
   static bool sticks(const FrictionCone& cone, const Vector3d& force, double part) {

@@ -116,6 +116,13 @@ void check_fields(const char* type, Object object) {
                });
 }
 
+// Objects whose whole surface has a displacement.
+template <typename Object>
+concept HasField = requires(const Object& object, const Eigen::Vector2d& beside,
+                            const Eigen::Vector3d& force) {
+  displacement_beside(object, beside, force);
+};
+
 // An object, the mesh of its surface, and places and vectors in the world frame.
 template <typename Object>
 class ClosedFormSpecimen : public Specimen {
@@ -131,6 +138,25 @@ class ClosedFormSpecimen : public Specimen {
     const Eigen::Vector2d at = place(contact);
     const Eigen::Matrix3d frame = frame_at(object_, at.x(), at.y());
     return frame.transpose() * displacement_at(object_, at.x(), at.y(), frame * force);
+  }
+
+  bool knows_shape() const override { return HasField<Object>; }
+
+  Eigen::Matrix3Xd deformed_surface(const Eigen::Vector3d& contact,
+                                    const Eigen::Vector3d& force) const override {
+    if constexpr (!HasField<Object>) {
+      return Specimen::deformed_surface(contact, force);
+    } else {
+      require_finite("force", force, "N");
+      const Eigen::Vector2d at = place(contact);
+      const Eigen::Matrix3d frame = frame_at(object_, at.x(), at.y());
+      Eigen::Matrix3Xd moved = surface_.vertices;
+      for (auto vertex : moved.colwise()) {
+        vertex += frame.transpose() *
+                  displacement_beside(object_, vertex.template head<2>() - at, frame * force);
+      }
+      return moved;
+    }
   }
 
   FrictionCone friction_cone(const Eigen::Vector3d& contact) const override {
@@ -265,6 +291,31 @@ Eigen::Vector3d displacement_at(const ElasticBody& body, double, double,
   const double tangential = (1 + nu) * (2 - nu) / (4 * stiffness);
   const double normal = (1 - nu * nu) / (2 * stiffness);
   return {tangential * force.x(), tangential * force.y(), normal * force.z()};
+}
+
+Eigen::Vector3d displacement_beside(const ElasticBody& body, const Eigen::Vector2d& beside,
+                                    const Eigen::Vector3d& force) {
+  const double nu = body.poisson_ratio, a = body.tool_radius;
+  const double shear = body.young_modulus / (2 * (1 + nu));
+  const double r = beside.norm();
+  const bool below = r <= a;  // the tool
+  const Eigen::Vector2d tangential = force.head<2>();
+  const Eigen::Vector2d outwards = r > 0 ? Eigen::Vector2d(beside / r) : Eigen::Vector2d::Zero();
+  // Integrals over the disc of the tractions of 1 N in all: of 1 / distance, the second derivatives
+  // of that of the distance, and the part of the tractions within r.
+  const double potential = below ? std::numbers::pi / 2 : std::asin(a / r);
+  const double edge = below ? 0 : a * std::sqrt(r * r - a * a) / (r * r);
+  const double within = below ? 1 - std::sqrt(1 - r * r / (a * a)) : 1;
+  const double compliance = 1 / (4 * std::numbers::pi * shear * a);  // [mm/N]
+  const double coupling = r > 0 ? (1 - 2 * nu) * compliance * a / r * within : 0;
+  // cos 2 theta and sin 2 theta of the direction of the force against `outwards`
+  const Eigen::Vector2d mirrored = 2 * outwards.dot(tangential) * outwards - tangential;
+  Eigen::Vector3d moved;
+  moved.head<2>() = compliance * ((2 - nu) * potential * tangential + nu * edge * mirrored) -
+                    coupling * force.z() * outwards;
+  moved.z() =
+      2 * (1 - nu) * compliance * potential * force.z() + coupling * outwards.dot(tangential);
+  return moved;
 }
 
 std::unique_ptr<Specimen> make_specimen(const Sheet& sheet) {

@@ -21,15 +21,15 @@ std::string numbers_of(const Vector3d& v) {
          ")";
 }
 
-// [mm] How far the tip has come.
-Vector3d tip_motion(const ContactState& start, const Vector3d& place, const Vector3d& force,
-                    const ContactResult& found) {
+// Throws SolverError unless there is an equilibrium.
+const ContactState& equilibrium(const ContactResult& found, const Vector3d& place,
+                                const Vector3d& force) {
   if (found.stop != ContactStop::converged) {
     throw SolverError("the object has no equilibrium at " + numbers_of(place) +
                       " mm under the force " + numbers_of(force) + " N: " + to_string(found.stop) +
                       " beyond " + std::to_string(found.state.force.norm()) + " N");
   }
-  return found.state.tip - start.tip;
+  return found.state;
 }
 
 class FiniteElementContact : public SpecimenContact {
@@ -41,7 +41,8 @@ class FiniteElementContact : public SpecimenContact {
     require_finite("force", force, "N");
     // Not before, since a contact that the tip cannot reach has no displacement.
     if (!series_) series_.emplace(solid_, solid_.touch(place_.position, place_.inward));
-    return tip_motion(series_->from(), place_.position, force, series_->apply_force(force));
+    const ContactResult found = series_->apply_force(force);
+    return equilibrium(found, place_.position, force).tip - series_->from().tip;
   }
 
  private:
@@ -63,7 +64,18 @@ class FiniteElementSpecimen : public Specimen {
     require_finite("force", force, "N");
     const ProbedPlace at = solid_.place(contact);
     const ContactState start = solid_.equilibrium().touch(at.position, at.inward);
-    return tip_motion(start, at.position, force, solid_.equilibrium().apply_force(start, force));
+    const ContactResult found = solid_.equilibrium().apply_force(start, force);
+    return equilibrium(found, at.position, force).tip - start.tip;
+  }
+
+  bool knows_shape() const override { return true; }
+
+  Eigen::Matrix3Xd deformed_surface(const Vector3d& contact, const Vector3d& force) const override {
+    require_finite("force", force, "N");
+    const ProbedPlace at = solid_.place(contact);
+    const ContactEquilibrium& solid = solid_.equilibrium();
+    const ContactResult found = solid.apply_force(solid.touch(at.position, at.inward), force);
+    return equilibrium(found, at.position, force).positions(Eigen::all, solid_.nodes());
   }
 
   std::unique_ptr<SpecimenContact> at(const Vector3d& contact) const override {

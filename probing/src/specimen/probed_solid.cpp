@@ -22,8 +22,14 @@ using Eigen::Vector3d;
 
 constexpr double kSteepest = 70 * std::numbers::pi / 180;  // between normal and line of sight
 
+// A part of the boundary at rest, and the nodes that its vertices are.
+struct ProbedSurface {
+  geometry::TriangleMesh mesh;
+  std::vector<int> nodes;
+};
+
 // The triangles of the boundary, four of each quadratic face, that can be probed.
-geometry::TriangleMesh probed_surface(const ContactEquilibrium& solid) {
+ProbedSurface probed_surface(const ContactEquilibrium& solid) {
   constexpr int kParts[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
   std::vector<bool> held(static_cast<std::size_t>(solid.rest().cols()), false);
   for (const int node : solid.body().supported) held[static_cast<std::size_t>(node)] = true;
@@ -64,7 +70,7 @@ geometry::TriangleMesh probed_surface(const ContactEquilibrium& solid) {
   mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
   for (std::size_t t = 0; t < triangles.size(); ++t)
     mesh.triangles.col(static_cast<Eigen::Index>(t)) = triangles[t];
-  return mesh;
+  return {std::move(mesh), std::move(nodes)};
 }
 
 EquilibriumOptions contact_of(const FiniteElementSpecimenOptions& options) {
@@ -77,14 +83,17 @@ EquilibriumOptions contact_of(const FiniteElementSpecimenOptions& options) {
 }  // namespace
 
 ProbedSolid::ProbedSolid(DeformableBody body, const FiniteElementSpecimenOptions& options)
-    : equilibrium_(std::move(body), contact_of(options)),
-      surface_(probed_surface(equilibrium_)),
-      normals_(geometry::vertex_normals(surface_)),
-      query_(surface_) {}
+    : equilibrium_(std::move(body), contact_of(options)) {
+  ProbedSurface probed = probed_surface(equilibrium_);
+  surface_ = std::move(probed.mesh);
+  nodes_ = std::move(probed.nodes);
+  normals_ = geometry::vertex_normals(surface_);
+  query_.emplace(surface_);
+}
 
 ProbedPlace ProbedSolid::place(const Vector3d& contact) const {
   require_finite("contact", contact, "mm");
-  const geometry::ClosestPoint closest = query_.closest_point(contact);
+  const geometry::ClosestPoint closest = query_->closest_point(contact);
   if (closest.at.triangle < 0) {
     throw InvalidInput(
         fmt::format("the contact ({:.6g}, {:.6g}, {:.6g}) mm is too far from the object",

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "palpate/core/error.h"
+
 namespace palpate::probing {
 namespace {
 
@@ -21,6 +23,13 @@ class PlainContact : public SpecimenContact {
 };
 
 }  // namespace
+
+Eigen::Matrix3Xd Specimen::deformed_surface(const Eigen::Vector3d& /*contact*/,
+                                            const Eigen::Vector3d& /*force*/) const {
+  throw InvalidInput(
+      "the shape of this object under a force is not known, only the displacement of the tool; the "
+      "shapes of elastic_body and finite_elements are");
+}
 
 std::unique_ptr<SpecimenContact> Specimen::at(const Eigen::Vector3d& contact) const {
   return std::make_unique<PlainContact>(*this, contact);

@@ -187,6 +187,30 @@ TEST_F(CampaignStoreTest, TellsWhyATrialFailed) {
   EXPECT_EQ(events[2].trial, 1);
 }
 
+TEST_F(CampaignStoreTest, KeepsTheRangeMapOfASampleOrWhyThereIsNone) {
+  CampaignDescription with_camera = description();
+  with_camera.camera = R"({"camera": "simulated"})";
+  CampaignStore store = CampaignStore::create(path(), with_camera);
+  Campaign campaign(plan, options);
+  const auto arm = make_quasi_static_arm(sheet);
+  for (int i = 0; i < 2; ++i) {
+    TrialRecord record{*campaign.next(), run_trial(*arm, *campaign.next(), {})};
+    (i == 0 ? record.result.range_map : record.result.no_range_map) =
+        i == 0 ? "range/000000.tiff" : "dark";
+    store.append(record, campaign.take(record), i);
+  }
+  EXPECT_EQ(store.range_maps(), 1);
+  const CampaignStore again = CampaignStore::look(path());
+  EXPECT_EQ(again.description().camera, with_camera.camera);
+  const CheckedAcquisition acquisition = read_acquisition(path());
+  EXPECT_EQ(acquisition.samples()[0].range_map, "range/000000.tiff");
+  EXPECT_FALSE(acquisition.samples()[1].range_map.has_value());
+  ASSERT_EQ(again.events().size(), 1U);
+  EXPECT_EQ(again.events()[0].trial, 1);
+  EXPECT_EQ(again.events()[0].kind, "no_range_map");
+  EXPECT_EQ(again.events()[0].text, "contact 0: dark");
+}
+
 TEST_F(CampaignStoreTest, IsAnAcquisitionAtAnyTime) {
   CampaignDescription with_ball = description();
   with_ball.probe_radius = 2.5;

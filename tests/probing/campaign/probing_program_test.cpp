@@ -86,6 +86,38 @@ TEST(ProbingProgram, WithoutATangentialForceItPressesOnly) {
 
 // Of the drag of 1 mm, 0.17 mm may stay as microslip. Beyond it, s_x = 0.022 mm and s_f c = 0.01 N
 // * 2 mm/N make the threshold sqrt(16.27 * 2) * 0.0297 = 0.170 mm.
+TEST(ProbingProgram, ASampleIsMeasuredInItsLastRestAlone) {
+  ScriptedArm arm{};
+  arm.answer = [](const ProbeAction& action) {
+    ProbeReport report = spring(action, 0);
+    report.range_map = action.measures_sample ? "range/000005.tiff" : "of another rest";
+    return report;
+  };
+  const auto measured_in = [&] {
+    std::vector<Kind> kinds;
+    for (const ProbeAction& action : arm.asked)
+      if (action.measures_sample) kinds.push_back(action.kind);
+    return kinds;
+  };
+  const TrialResult dragged = run_trial(arm, kOrder, {});
+  EXPECT_THAT(measured_in(), ElementsAre(Kind::drag));
+  EXPECT_EQ(sample_of(kOrder, dragged, 0)->range_map, "range/000005.tiff");
+  arm.asked.clear();
+  TrialOrder pressed = kOrder;
+  pressed.direction = -1;
+  const TrialResult result = run_trial(arm, pressed, {});
+  EXPECT_THAT(measured_in(), ElementsAre(Kind::press));
+  EXPECT_EQ(result.range_map, "range/000005.tiff");
+  arm.answer = [](const ProbeAction& action) {
+    ProbeReport report = spring(action, 0);
+    report.no_range_map = "dark";
+    return report;
+  };
+  const TrialResult unseen = run_trial(arm, kOrder, {});
+  EXPECT_EQ(unseen.no_range_map, "dark");
+  EXPECT_FALSE(sample_of(kOrder, unseen, 0)->range_map.has_value());
+}
+
 TEST(ProbingProgram, ATipThatDoesNotComeBackSlipped) {
   for (const auto& [slid, outcome] :
        {std::pair(0.33, TrialOutcome::held), std::pair(0.35, TrialOutcome::slipped)}) {

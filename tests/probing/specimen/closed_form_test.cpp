@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "not_finite.h"
@@ -130,6 +131,64 @@ TEST(ClosedForm, SpecimensTurnVectorsIntoTheWorldFrame) {
             specimen->displacement(surface_at(sheet, 21, -70), force));
 }
 
+// [mm] Boussinesq's and Cerruti's point loads (Johnson 3.17, 3.75), added up over the tool's disc.
+Vector3d sum_of_point_loads(const ElasticBody& body, const Eigen::Vector2d& beside,
+                            const Vector3d& force) {
+  const double nu = body.poisson_ratio, shear = body.young_modulus / (2 * (1 + nu));
+  constexpr int kRadial = 400, kAround = 400;
+  Vector3d sum = Vector3d::Zero();
+  for (int i = 0; i < kRadial; ++i) {
+    const double phi = std::numbers::pi / 2 * (i + 0.5) / kRadial;  // r = a sin phi
+    const double r = body.tool_radius * std::sin(phi);
+    const double share = std::numbers::pi / 2 / kRadial * std::sin(phi) / kAround;
+    for (int j = 0; j < kAround; ++j) {
+      const double angle = 2 * std::numbers::pi * (j + 0.5) / kAround;
+      const Eigen::Vector2d x = beside - r * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+      const double s = x.norm(), along = x.dot(force.head<2>());
+      sum.head<2>() += share / (2 * std::numbers::pi * shear) *
+                       ((1 - nu) / s * force.head<2>() + nu * along / (s * s * s) * x -
+                        (1 - 2 * nu) / 2 * force.z() / (s * s) * x);
+      sum.z() += share / (2 * std::numbers::pi * shear) *
+                 ((1 - nu) / s * force.z() + (1 - 2 * nu) / 2 * along / (s * s));
+    }
+  }
+  return sum;
+}
+
+TEST(ClosedForm, TheSurfaceOfTheElasticBodyMovesAsItsPointLoadsAddUp) {
+  const Vector3d force(0.4, -0.3, 1.1);
+  for (const double nu : {0.3, 0.5}) {
+    const ElasticBody body{.young_modulus = 0.1, .poisson_ratio = nu, .tool_radius = 4};
+    for (const Eigen::Vector2d& beside :
+         {Eigen::Vector2d(7, 2), Eigen::Vector2d(-4.5, 3), Eigen::Vector2d(1, -30)}) {
+      const Vector3d exact = sum_of_point_loads(body, beside, force);
+      EXPECT_LT((displacement_beside(body, beside, force) - exact).norm(), 2e-3 * exact.norm());
+    }
+    // Below the tool, points move as the tool; for nu < 1/2, up to what the header says.
+    const Vector3d tool = displacement_at(body, 0, 0, force);
+    const double allowed = (1 - 2 * nu) / (std::numbers::pi * (1 - nu)) * tool.norm();
+    for (const double r : {0.0, 1.7, 3.9, 4.0})
+      EXPECT_LE((displacement_beside(body, {r, 0}, force) - tool).norm(), allowed + 1e-12) << r;
+    EXPECT_EQ(displacement_beside(body, {0, 0}, force), tool);
+  }
+}
+
+TEST(ClosedForm, OnlyObjectsWithAFieldKnowTheirShape) {
+  const auto body = make_specimen(ElasticBody{.young_modulus = 0.1});
+  const Vector3d at(4, -6, 700), force(0.2, 0, 1);
+  ASSERT_TRUE(body->knows_shape());
+  const Eigen::Matrix3Xd moved = body->deformed_surface(at, force) - body->surface().vertices;
+  for (Eigen::Index v = 0; v < moved.cols(); ++v) {
+    if ((body->surface().vertices.col(v) - at).norm() < 1e-9)
+      EXPECT_LT((moved.col(v) - body->displacement(at, force)).norm(), 1e-12);
+  }
+  EXPECT_LT(moved.row(2).minCoeff(), 0.1 * moved.row(2).maxCoeff());
+  EXPECT_FALSE(make_specimen(Sheet{})->knows_shape());
+  const auto beam = make_specimen(Beam{});
+  EXPECT_THAT(refusal([&] { return beam->deformed_surface(at, force); }),
+              ::testing::HasSubstr("elastic_body and finite_elements"));
+}
+
 TEST(ClosedForm, ConesHoldForcesInsideThemOnly) {
   const LocalCone cone{{0, 0, 1}, 0.5};
   EXPECT_TRUE(holds(cone, {0.49, 0, 1}));
@@ -145,6 +204,8 @@ TEST(ClosedForm, RefusesPlacesAndForcesThatAreNotFinite) {
     EXPECT_EQ(refusal([&] { return specimen->displacement(at, no_force); }).find("force is "), 0U);
     EXPECT_EQ(refusal([&] { return specimen->displacement(no_place, force); }).find("contact is "),
               0U);
+    const auto body = make_specimen(ElasticBody{});
+    EXPECT_EQ(refusal([&] { return body->deformed_surface(at, no_force); }).find("force is "), 0U);
     EXPECT_EQ(refusal([&] { return specimen->friction_cone(no_place); }).find("contact is "), 0U);
     EXPECT_EQ(refusal([&] { return specimen->at(at)->displacement(no_force); }).find("force is "),
               0U);

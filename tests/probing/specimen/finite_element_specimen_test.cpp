@@ -71,6 +71,22 @@ TEST(FiniteElementSpecimen, MovesWithTheForceWhateverCameBefore) {
   EXPECT_THROW((void)block->displacement(at, -force), SolverError);
 }
 
+TEST(FiniteElementSpecimen, ShowsWhereItsSurfaceIsUnderAForce) {
+  const auto block = parse_specimen(kBlock, "");
+  ASSERT_TRUE(block->knows_shape());
+  const Vector3d at(0, 0, 700), force(0.1, 0, 1);
+  const Eigen::Matrix3Xd& rest = block->surface().vertices;
+  const Eigen::Matrix3Xd moved = block->deformed_surface(at, force) - rest;
+  const Vector3d tip = block->displacement(at, force);
+  for (Eigen::Index v = 0; v < rest.cols(); ++v) {
+    const double away = (rest.col(v) - at).norm();
+    // The centre of the tip is nearer than the surface by the penalty of the contact.
+    if (away < 1e-9) EXPECT_LT((moved.col(v) - tip).norm(), 0.1 * tip.norm());
+    if (away > 15) EXPECT_LT(moved.col(v).norm(), 0.3 * tip.norm());
+  }
+  EXPECT_THROW((void)block->deformed_surface(at, -force), SolverError);
+}
+
 TEST(FiniteElementSpecimen, RefusesPlacesAndForcesThatAreNotFinite) {
   const auto block = parse_specimen(kBlock, "");
   const Vector3d at(1, 2, 700), force(0.1, 0, 1);

@@ -15,17 +15,18 @@ namespace palpate::probing {
 
 /// What a campaign is: all that its decisions and its arm depend on, as text.
 struct CampaignDescription {
-  std::string plan;      ///< `to_text` of its plan
-  std::string strategy;  ///< of CampaignOptions and the seed (JSON)
-  std::string arm;       ///< what the arm needs to go on; not read by the campaign
-  std::string software;  ///< name and version of the program
+  std::string plan;         ///< `to_text` of its plan
+  std::string strategy;     ///< of CampaignOptions and the seed (JSON)
+  std::string arm;          ///< what the arm needs to go on; not read by the campaign
+  std::string software;     ///< name and version of the program
+  std::string camera = {};  ///< what the camera needs to go on, as `arm`; empty: there is none
   std::optional<double> probe_radius = {};  ///< [mm] as in `Acquisition`
 };
 
 /// A message about a campaign.
 struct CampaignEvent {
   long long trial = -1;  ///< that it belongs to, or that was the latest; -1 if there was none
-  std::string kind;      ///< "contact_given_up", "no_equilibrium", "arm_stopped", ...
+  std::string kind;      ///< "contact_given_up", "no_equilibrium", "no_range_map", ...
   std::string text;
 };
 
@@ -63,9 +64,12 @@ class CampaignStore {
   [[nodiscard]] std::vector<ReferenceProbe> references() const;
   /// In order. \throws FileError if the table cannot be read.
   [[nodiscard]] std::vector<CampaignEvent> events() const;
+  /// Number of samples with a range map. \throws FileError if the table cannot be read.
+  [[nodiscard]] int range_maps() const;
 
   /// Stores a trial, its sample with its contact, and what followed from it. A trial that failed
-  /// for a `TrialResult::reason` gives an event "no_equilibrium".
+  /// for a `TrialResult::reason` gives an event "no_equilibrium", one whose camera saw nothing of
+  /// use an event "no_range_map".
   /// \param time [s] since the campaign began.
   /// \param memory `Prober::memory` after the trial.
   /// \throws OutputError if the disk is full: nothing of the trial is then stored.

@@ -125,6 +125,17 @@ struct ElasticBody {
 [[nodiscard]] Eigen::Vector3d displacement_at(const ElasticBody& body, double x, double y,
                                               const Eigen::Vector3d& force);
 
+/// [mm] How the force moves the place `beside` [mm] (x, y from the contact) of the surface: by the
+/// tractions to which the two compliances belong, p / sqrt(1 - r^2 / a^2) over the tool's disc
+/// (Boussinesq, Cerruti; Johnson 3.2 and 3.6), so that all of the disc moves as the tool. Beside
+/// it, the normal displacement is 2 / pi asin(a / r) of the tool's. Below nu = 1/2, the normal part
+/// of the force also moves the surface sideways and the tangential part along the normal, by at
+/// most (1 - 2 nu) / (pi (1 - nu)) of the tool's displacement (6 % for 0.45), which a tool that
+/// sticks would hold back below it.
+[[nodiscard]] Eigen::Vector3d displacement_beside(const ElasticBody& body,
+                                                  const Eigen::Vector2d& beside,
+                                                  const Eigen::Vector3d& force);
+
 /// An object with a mesh of its surface, whose vertices lie on it about 2 mm apart. The sheet's
 /// ends 2 mm before its supports and 70 mm beside its middle.
 /// \throws InvalidInput naming the field, if a number is outside its range.

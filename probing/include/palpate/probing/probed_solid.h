@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <vector>
 
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/geometry/surface_query.h"
@@ -28,6 +30,8 @@ class ProbedSolid {
 
   [[nodiscard]] const ContactEquilibrium& equilibrium() const { return equilibrium_; }
   [[nodiscard]] const geometry::TriangleMesh& surface() const { return surface_; }
+  /// The node of the solid that each vertex of the surface is.
+  [[nodiscard]] const std::vector<int>& nodes() const { return nodes_; }
   /// The place of the surface that is nearest to `contact` [mm].
   /// \throws InvalidInput unless the contact is finite.
   [[nodiscard]] ProbedPlace place(const Eigen::Vector3d& contact) const;
@@ -35,8 +39,9 @@ class ProbedSolid {
  private:
   ContactEquilibrium equilibrium_;
   geometry::TriangleMesh surface_;
+  std::vector<int> nodes_;
   Eigen::Matrix3Xd normals_;  // of its vertices
-  geometry::SurfaceQuery query_;
+  std::optional<geometry::SurfaceQuery> query_;
 };
 
 }  // namespace palpate::probing

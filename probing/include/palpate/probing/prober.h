@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "palpate/geometry/eigen_alignment.h"
@@ -27,6 +28,8 @@ struct ProbeAction {
   /// [N] of the tip on the object; before the touch, the one that is coming.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double time_limit = 0;  ///< [s] the arm gives up after it
+  /// Whether the tip, once it rests, is where the sample of the trial is measured.
+  bool measures_sample = false;
 };
 
 enum class ProbeOutcome {
@@ -38,6 +41,13 @@ enum class ProbeOutcome {
 };
 /// "done", "no_contact", ...
 [[nodiscard]] const char* to_string(ProbeOutcome outcome);
+
+/// What a simulated arm does to its object, which measured positions and forces only approximate.
+struct TrueLoad {
+  Eigen::Vector3d contact = Eigen::Vector3d::Zero();  ///< [mm] place on the undeformed surface
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();    ///< [N] on the object
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();      ///< [mm]
+};
 
 struct ProbeReport {
   ProbeOutcome outcome = ProbeOutcome::done;
@@ -52,6 +62,11 @@ struct ProbeReport {
   /// Why the tip does not rest, if the arm knows: a simulated object says where it has no
   /// equilibrium.
   std::string reason = {};
+  /// Of a simulated arm whose tip rests on the object: for what is simulated beside it, a camera.
+  std::optional<TrueLoad> truth = {};
+  /// File of what a camera saw while the tip rested, relative to the store; empty: none.
+  std::string range_map = {};
+  std::string no_range_map = {};  ///< why the camera, if there is one, saw nothing of use
 };
 
 /// An arm, real or simulated, with its control loop below: it performs one action at a time.

@@ -47,6 +47,9 @@ struct TrialResult {
   double work_releasing = std::numeric_limits<double>::quiet_NaN();
   /// `ProbeReport::reason` of the action that failed; stores keep it as an event.
   std::string reason = {};
+  /// `ProbeReport::range_map` of the sample, which keeps it, and `no_range_map`, an event of
+  /// stores.
+  std::string range_map = {}, no_range_map = {};
 };
 
 /// The states of the program at a contact (thesis 4.3, 4.4.2).

@@ -50,6 +50,14 @@ class Specimen {
   [[nodiscard]] virtual Eigen::Vector3d displacement(const Eigen::Vector3d& contact,
                                                      const Eigen::Vector3d& force) const = 0;
 
+  /// Whether `deformed_surface` is known. Most closed forms know the displacement of the tool
+  /// alone.
+  [[nodiscard]] virtual bool knows_shape() const { return false; }
+  /// [mm] 3 x V: where the vertices of `surface` are in the equilibrium of `displacement`.
+  /// \throws InvalidInput if the shape is not known, and as `displacement`.
+  [[nodiscard]] virtual Eigen::Matrix3Xd deformed_surface(const Eigen::Vector3d& contact,
+                                                          const Eigen::Vector3d& force) const;
+
   /// For many forces at one contact, while the specimen exists. May be faster than `displacement`;
   /// results are the same to the tolerance of a solver, and may depend on the forces before.
   [[nodiscard]] virtual std::unique_ptr<SpecimenContact> at(const Eigen::Vector3d& contact) const;
