@@ -96,7 +96,8 @@ class QuasiStaticCampaignArm final : public CampaignArm {
   }
   // How long the next travel takes.
   std::string memory() const override { return Json{{"tip", vector_json(tip_)}}.dump(); }
-  const probing::Specimen* specimen() const override { return specimen_.get(); }
+  std::shared_ptr<const probing::Specimen> specimen() const override { return specimen_; }
+  bool tells_truth() const override { return true; }
 
  private:
   std::shared_ptr<const probing::Specimen> specimen_;
@@ -153,10 +154,18 @@ class MovingCampaignArm final : public CampaignArm {
   }
   bool moves() const override { return true; }
   bool is_device() const override { return simulated_ == nullptr && !is_replay_; }
-  const probing::Specimen* specimen() const override { return specimen_.get(); }
+  std::shared_ptr<const probing::Specimen> specimen() const override { return specimen_; }
+  bool tells_truth() const override { return simulated_ != nullptr; }
   const probing::ArmProber* prober() const override { return &*prober_; }
   probing::ProbeReport perform(const probing::ProbeAction& action) override {
-    return prober_->perform(action);
+    probing::ProbeReport report = prober_->perform(action);
+    if (simulated_ != nullptr) {
+      const probing::VirtualArmTruth& truth = simulated_->truth();
+      report.truth = {.contact = truth.contact,
+                      .force = options_.T_world_base.linear() * truth.force,
+                      .tip = options_.T_world_base * truth.tip};
+    }
+    return report;
   }
   std::string memory() const override {
     if (!remembers() || !prober_->gravity()) return {};

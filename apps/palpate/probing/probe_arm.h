@@ -47,7 +47,11 @@ class CampaignArm : public probing::Prober {
   /// Whether it stands before a real object, which may be moved while the arm rests.
   [[nodiscard]] virtual bool is_device() const { return false; }
   /// The simulated object that it probes; null before a real one.
-  [[nodiscard]] virtual const probing::Specimen* specimen() const { return nullptr; }
+  [[nodiscard]] virtual std::shared_ptr<const probing::Specimen> specimen() const {
+    return nullptr;
+  }
+  /// Whether its reports have `ProbeReport::truth`.
+  [[nodiscard]] virtual bool tells_truth() const { return false; }
   /// What moves it; null if it does not move.
   [[nodiscard]] virtual const probing::ArmProber* prober() const { return nullptr; }
   /// Which contacts the arm can probe.

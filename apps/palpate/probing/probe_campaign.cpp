@@ -49,6 +49,20 @@ std::string words_of_stop(probing::AdaptiveStop stop) {
   }
 }
 
+/// "20 range maps; nothing of use was seen in trials 3, 17"
+std::string words_of_camera(const CampaignFindings& findings) {
+  constexpr std::size_t kNamed = 5;
+  const std::vector<long long>& not_seen = findings.not_seen;
+  std::string words = counted(static_cast<std::size_t>(findings.range_maps), "range map");
+  if (not_seen.empty()) return words;
+  const auto named =
+      not_seen.begin() + static_cast<std::ptrdiff_t>(std::min(kNamed, not_seen.size()));
+  words += fmt::format("; nothing of use was seen in trial{} {}", not_seen.size() > 1 ? "s" : "",
+                       fmt::join(not_seen.begin(), named, ", "));
+  if (not_seen.size() > kNamed) words += fmt::format(" and {} more", not_seen.size() - kNamed);
+  return words;
+}
+
 }  // namespace
 
 probing::Campaign replayed(const probing::CampaignStore& store, const std::string& source) {
@@ -85,8 +99,15 @@ probing::Campaign replayed(const probing::CampaignStore& store, const std::strin
 
 CampaignFindings findings_of(const probing::CampaignStore& store, const probing::ContactPlan& plan,
                              const probing::CampaignOptions& options) {
-  return {.rates = probing::rate_dependence(store.trials(plan.contacts), options.program),
-          .drift = probing::reference_drift(store.references(), plan, options.program)};
+  CampaignFindings findings{
+      .rates = probing::rate_dependence(store.trials(plan.contacts), options.program),
+      .drift = probing::reference_drift(store.references(), plan, options.program),
+      .has_camera = !store.description().camera.empty(),
+      .range_maps = store.range_maps(),
+      .not_seen = {}};
+  for (const probing::CampaignEvent& event : store.events())
+    if (event.kind == "no_range_map") findings.not_seen.push_back(event.trial);
+  return findings;
 }
 
 Json campaign_figures(const probing::Campaign& campaign, const probing::CampaignOptions& options,
@@ -119,6 +140,10 @@ Json campaign_figures(const probing::Campaign& campaign, const probing::Campaign
                {"references", findings.drift.probes},
                {"drift", number_or_null(finite_or_none(findings.drift.change))},
                {"complete", complete}};
+  if (findings.has_camera) {
+    figures["range_maps"] = findings.range_maps;
+    figures["not_seen"] = findings.not_seen;
+  }
   if (options.strategy == probing::TrialStrategy::adaptive) {
     const auto number = [](double value) { return number_or_null(finite_or_none(value)); };
     figures["stated_error"] = number(at.stated.error);
@@ -192,6 +217,7 @@ std::string campaign_words(const probing::Campaign& campaign,
        {beyond_statics(findings.rates), beyond_steadiness(findings.drift)}) {
     if (!more.empty()) text += "\n" + more;
   }
+  if (findings.has_camera) text += "\n" + words_of_camera(findings);
   if (options.strategy != probing::TrialStrategy::adaptive) return text;
   if (std::isfinite(at.stated.error)) {
     text += fmt::format("\nstated error {}, {} at contacts", newtons(at.stated.error, 3),
@@ -212,6 +238,8 @@ void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
   probing::Campaign& campaign = running.campaign;
   Progress progress("probing");
   const InterruptMessage message(trials_kept(campaign));
+  if (running.camera) running.camera->begin();
+  probing::Prober& prober = running.camera ? running.camera->prober() : *running.arm;
   if (campaign.next()) running.arm->start();
   const auto show = [&] {
     const probing::CampaignProgress at = campaign.progress();
@@ -220,7 +248,7 @@ void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
   };
   for (int i = 0; i < most && campaign.next(); ++i) {
     show();
-    probing::perform_trial(campaign, *running.arm, store, options.program,
+    probing::perform_trial(campaign, prober, store, options.program,
                            [&] { running.arm->keep_record(); });
   }
   running.arm->keep_record();

@@ -6,12 +6,14 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/campaign_store.h"
 #include "palpate/probing/rate_dependence.h"
 #include "palpate/probing/reference_probe.h"
 #include "probing/probe_arm.h"
+#include "probing/probe_camera.h"
 
 namespace palpate::apps {
 
@@ -21,6 +23,7 @@ inline constexpr double kSecondsPerHour = 3600;
 struct RunningCampaign {
   probing::Campaign campaign;
   std::unique_ptr<CampaignArm> arm;
+  std::unique_ptr<CampaignCamera> camera = nullptr;  ///< of this arm, if one looks at it
 };
 
 /// Where a stored campaign stands: it takes the stored trials once more, without an arm.
@@ -33,6 +36,9 @@ struct RunningCampaign {
 struct CampaignFindings {
   probing::RateDependence rates;
   probing::ReferenceDrift drift;
+  bool has_camera = false;
+  int range_maps = 0;               ///< that samples have
+  std::vector<long long> not_seen;  ///< trials whose pictures were of no use
 };
 /// \throws FileError if the store cannot be read.
 [[nodiscard]] CampaignFindings findings_of(const probing::CampaignStore& store,

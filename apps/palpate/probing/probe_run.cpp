@@ -42,6 +42,7 @@ struct RunCall {
   fs::path plan, store, surface;
   bool dry_run = false;
   ArmCall arm;
+  CameraCall camera;
   ArmWatch watch;
   probing::CampaignOptions options;
   double moved_limit = 0.1;  // [mm]
@@ -123,6 +124,13 @@ void perform(const Settings& settings, probing::CampaignStore& store, RunningCam
   print(settings, figures, words);
 }
 
+/// Lets a camera look at the arm, if one is described.
+void add_camera(RunningCampaign& running, const std::string& description, const fs::path& store) {
+  if (description.empty()) return;
+  running.camera =
+      std::make_unique<CampaignCamera>(description, store, running.campaign.plan(), *running.arm);
+}
+
 /// "0.05N" is 0.05.
 std::string without_newton(std::string text) {
   if (text.ends_with('N')) text.pop_back();
@@ -131,7 +139,8 @@ std::string without_newton(std::string text) {
 
 void run_campaign(const Settings& settings, const RunCall& call) {
   if (call.store.empty()) throw InvalidInput("palpate probe run: give -o, or --dry-run");
-  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay, call.surface},
+  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay, call.surface,
+                 call.camera.rig, call.camera.pattern, call.camera.colors, call.camera.sensor},
                 {call.store, call.watch.record});
   const InterruptedByThrowing interrupts;  // from the first byte of the store on, it can be resumed
   const probing::ContactPlan plan = probing::read_plan(call.plan);
@@ -142,16 +151,19 @@ void run_campaign(const Settings& settings, const RunCall& call) {
           : call.arm.replay.string();
   RunningCampaign running{probing::Campaign(plan, call.options),
                           make_campaign_arm(arm, source, plan, {}, call.watch)};
+  const std::string camera = describe_camera(call.camera, call.options.seed);
+  add_camera(running, camera, call.store);
+  check_camera_folders(camera, call.store);
   check_reach(*running.arm, plan, call.plan, call.surface);
   // A plan is for the tip of an arm; a simulated object has its own.
-  const probing::Specimen* const specimen = running.arm->specimen();
+  const std::shared_ptr<const probing::Specimen> specimen = running.arm->specimen();
   probing::CampaignStore store = probing::CampaignStore::create(
-      call.store,
-      {.plan = probing::to_text(plan),
-       .strategy = probing::to_text(call.options),
-       .arm = arm,
-       .software = "palpate " PALPATE_VERSION,
-       .probe_radius = specimen != nullptr ? specimen->tip_radius() : plan.options.tip_radius});
+      call.store, {.plan = probing::to_text(plan),
+                   .strategy = probing::to_text(call.options),
+                   .arm = arm,
+                   .software = "palpate " PALPATE_VERSION,
+                   .camera = camera,
+                   .probe_radius = specimen ? specimen->tip_radius() : plan.options.tip_radius});
   perform(settings, store, std::move(running), call, false);
 }
 
@@ -159,6 +171,9 @@ void run_campaign(const Settings& settings, const RunCall& call) {
 void dry_run(const Settings& settings, const RunCall& call) {
   if (!call.store.empty())
     throw InvalidInput("--dry-run: measures nothing, so there is nothing to write; leave out -o");
+  if (!call.camera.camera.empty())
+    throw InvalidInput(
+        "--dry-run: measures nothing, so there is nothing to see; leave out --camera");
   check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay, call.surface},
                 {call.watch.record});
   const InterruptedByThrowing interrupts;
@@ -236,7 +251,10 @@ void resume_campaign(const Settings& settings, const RunCall& call) {
   probing::CampaignStore store = probing::CampaignStore::open(call.store);
   probing::Campaign campaign = replayed(store, call.store.string());
   auto arm = resumed_arm(store, campaign.plan(), call);
-  perform(settings, store, {std::move(campaign), std::move(arm)}, call, true);
+  RunningCampaign running{std::move(campaign), std::move(arm)};
+  add_camera(running, moved_camera(store.description().camera, call.camera, call.store),
+             call.store);
+  perform(settings, store, std::move(running), call, true);
 }
 
 void add_stop_file(CLI::App& command, ArmWatch& watch) {
@@ -269,6 +287,7 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
                   "Instead of an arm: a file of --record, with the same plan and options");
   run->add_flag("--dry-run", call->dry_run,
                 "Only visit all contacts, 20 mm above the surface, and name those out of reach");
+  add_campaign_camera(*run, call->camera);
   add_fields(*run, fields_of(call->options));
   run->get_option("--until")->transform(without_newton);
   run->footer(
@@ -277,6 +296,8 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
       "A fault of an arm, the stop file and Ctrl-C take its force away at once; the trial does not "
       "count.\n"
       "Examples:\n  palpate probe run plan.json --specimen sheet.json -o acquisition.db\n"
+      "  palpate probe run plan.json --specimen body.json --camera simulated --rig rig.yaml "
+      "--pattern pattern.yaml --colors colors.yaml -o seen/acquisition.db\n"
       "  palpate probe run plan.json --arm ./libdevice.so --arm-config arm.json --dry-run");
   run->callback([call, &settings] {
     call->arm.seed = call->options.seed;
@@ -290,6 +311,8 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
   resume->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
       ->required();
   add_stop_file(*resume, call->watch);
+  for (CLI::Option* option : add_camera_files(*resume, call->camera))
+    option->group("Where the files of the camera are now");
   resume->add_option("--record", call->watch.record,
                      "Also write what the arm does from here on, as --record of 'probe run'; must "
                      "not exist: each part of a campaign has its own record");

@@ -83,34 +83,18 @@ sensing::VirtualSensor sensor_of(const SimulateCall& call) {
   return sensor;
 }
 
-/// An image of the pattern, which the projector of `rig` shows.
-cv::Mat read_panel(const SimulateCall& call, const fs::path& image,
-                   const geometry::Camera& projector) {
-  std::error_code cannot_look;
-  if (!fs::exists(image, cannot_look)) {
-    throw FileError(image.string() + ": is missing; " + call.pattern.string() +
-                    " needs this image for the projector, as palpate pattern draws it");
-  }
-  cv::Mat panel = sensing::read_frame(image);
-  if (panel.cols != projector.width || panel.rows != projector.height) {
-    throw InvalidInput(fmt::format("{}: has {} x {} px, but the projector of {} has {} x {}",
-                                   image.string(), panel.cols, panel.rows, call.rig.string(),
-                                   projector.width, projector.height));
-  }
-  return panel;
-}
-
 /// The images beside the pattern file: one, or those of a still scene.
 std::vector<cv::Mat> read_panels(const SimulateCall& call, const sensing::Pattern& pattern,
                                  const geometry::Camera& projector) {
   if (!pattern.multishot)
-    return {read_panel(call, fs::path(call.pattern).replace_extension(".png"), projector)};
+    return {read_panel(fs::path(call.pattern).replace_extension(".png"), call.pattern, projector,
+                       call.rig)};
   const std::size_t count =
       pattern.multishot->shifts.size() + static_cast<std::size_t>(pattern.multishot->code_bits);
   std::vector<cv::Mat> panels;
   for (std::size_t i = 0; i < count; ++i) {
     const fs::path image = call.pattern.parent_path() / fmt::format("shot_{:02}.png", i);
-    panels.push_back(read_panel(call, image, projector));
+    panels.push_back(read_panel(image, call.pattern, projector, call.rig));
   }
   return panels;
 }

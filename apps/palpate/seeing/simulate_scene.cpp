@@ -104,6 +104,22 @@ Eigen::Matrix3Xd closing_vertices(const SceneCall& call, const Placement& placem
 
 }  // namespace
 
+cv::Mat read_panel(const fs::path& image, const fs::path& pattern,
+                   const geometry::Camera& projector, const fs::path& rig) {
+  std::error_code cannot_look;
+  if (!fs::exists(image, cannot_look)) {
+    throw FileError(image.string() + ": is missing; " + pattern.string() +
+                    " needs this image for the projector, as palpate pattern draws it");
+  }
+  cv::Mat panel = sensing::read_frame(image);
+  if (panel.cols != projector.width || panel.rows != projector.height) {
+    throw InvalidInput(fmt::format("{}: has {} x {} px, but the projector of {} has {} x {}",
+                                   image.string(), panel.cols, panel.rows, rig.string(),
+                                   projector.width, projector.height));
+  }
+  return panel;
+}
+
 Placement place_mesh(const SceneCall& call, const sensing::Rig& rig,
                      std::optional<double> distance) {
   const geometry::TriangleMesh mesh = geometry::read_mesh(call.meshes.front(), call.read);

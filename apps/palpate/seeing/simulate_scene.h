@@ -25,6 +25,14 @@ struct SceneCall {
   double shutter = 0;  ///< share of the time between two meshes during which the shutter is open
 };
 
+/// An image of a pattern, as a projector shows it.
+/// \param pattern, rig the files of pattern and projector, for messages.
+/// \throws FileError if it cannot be read; InvalidInput if it is not of the projector's size.
+[[nodiscard]] cv::Mat read_panel(const std::filesystem::path& image,
+                                 const std::filesystem::path& pattern,
+                                 const geometry::Camera& projector,
+                                 const std::filesystem::path& rig);
+
 /// The pose of a mesh; all meshes of a sequence get that of the first.
 struct Placement {
   Eigen::Isometry3d T_camera_mesh = Eigen::Isometry3d::Identity();

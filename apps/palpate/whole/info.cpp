@@ -139,14 +139,18 @@ Description describe_acquisition(const fs::path& path) {
                                      [](const auto& s) { return s.slipped; });
   const auto boundary = std::count_if(acquisition.samples().begin(), acquisition.samples().end(),
                                       [](const auto& s) { return s.on_friction_boundary; });
+  const auto seen = std::count_if(acquisition.samples().begin(), acquisition.samples().end(),
+                                  [](const auto& s) { return s.range_map.has_value(); });
   return {{{"kind", "acquisition"},
            {"contacts", acquisition.contacts().size()},
            {"samples", acquisition.samples().size()},
            {"slipped", slipped},
-           {"on_friction_boundary", boundary}},
-          fmt::format("acquisition, {}, {}; {} slipped, {} are at the limit of friction",
+           {"on_friction_boundary", boundary},
+           {"range_maps", seen}},
+          fmt::format("acquisition, {}, {}; {} slipped, {} are at the limit of friction{}",
                       counted(acquisition.contacts().size(), "contact"),
-                      counted(acquisition.samples().size(), "sample"), slipped, boundary)};
+                      counted(acquisition.samples().size(), "sample"), slipped, boundary,
+                      seen > 0 ? fmt::format(", {} name a range map", seen) : "")};
 }
 
 std::string friction_in_words(const std::vector<double>& known, int without_own, int bounds) {

@@ -1,0 +1,220 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "probing/probe_camera.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "palpate/acquisition/virtual_camera.h"
+#include "palpate/core/error.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+#include "palpate/sensing/virtual_sensor.h"
+#include "seeing/simulate_scene.h"
+#include "shared/call_checks.h"
+#include "shared/field_options.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSimulated = "simulated";
+constexpr const char* kRange = "range";
+constexpr const char* kTruth = "truth";
+
+/// Options that name files.
+constexpr std::array<std::pair<const char*, fs::path CameraCall::*>, 4> kFiles = {
+    {{"--rig", &CameraCall::rig},
+     {"--pattern", &CameraCall::pattern},
+     {"--colors", &CameraCall::colors},
+     {"--sensor", &CameraCall::sensor}}};
+/// The image of the pattern, which lies beside it.
+constexpr const char* kPanel = "pattern.png";
+
+fs::path panel_of(const fs::path& pattern) { return fs::path(pattern).replace_extension(".png"); }
+
+Json with_content(const fs::path& file) {
+  if (!is_there(file)) throw FileError(file.string() + ": there is no such file");
+  return {{"path", fs::absolute(file).string()}, {"content", fingerprint(file)}};
+}
+
+fs::path path_of(const Json& camera, const char* option) {
+  return camera.contains(option) ? fs::path(camera[option]["path"].get<std::string>()) : fs::path();
+}
+
+fs::path beside(const fs::path& store, const char* folder) { return store.parent_path() / folder; }
+
+acquisition::SeeingOptions seeing_of(const Json& camera) {
+  return {.shaft = camera["shaft"].get<double>(),
+          .tool_margin = camera["tool_margin"].get<double>(),
+          .least_depths = camera["least_depths"].get<double>()};
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_camera_files(CLI::App& command, CameraCall& call) {
+  return {
+      command.add_option("--rig", call.rig, "Camera and projector (rig.yaml)"),
+      command.add_option("--pattern", call.pattern,
+                         "Projected pattern (pattern.yaml, with its image pattern.png beside it)"),
+      command.add_option("--colors", call.colors,
+                         "Trained colours (colors.yaml), for a pattern with stripes"),
+      command.add_option("--sensor", call.sensor,
+                         "Light, optics and electronics of a simulated camera (sensor.yaml, as "
+                         "'palpate simulate' writes it); default: a colour camera with 8 bits")};
+}
+
+void add_campaign_camera(CLI::App& command, CameraCall& call) {
+  CLI::Option* camera = command.add_option(
+      "--camera", call.camera,
+      "Record a range map of the deformed object with each sample, into range/ beside the store. "
+      "simulated: the virtual sensor sees the specimen, and the tip");
+  camera->check(one_of({kSimulated}));
+  std::vector<CLI::Option*> others = add_camera_files(command, call);
+  others.push_back(command.add_flag(
+      "--truth", call.truth,
+      "Also write the true depths that a simulated camera sees, into truth/ beside the store"));
+  for (CLI::Option* option : others) option->needs(camera)->group("With --camera");
+  add_fields_of(*camera, command, fields_of(call.seeing));
+}
+
+std::string describe_camera(const CameraCall& call, std::uint64_t seed) {
+  if (call.camera.empty()) return {};
+  for (const auto& [option, file] : {kFiles[0], kFiles[1]}) {
+    if ((call.*file).empty())
+      throw InvalidInput(std::string(option) +
+                         ": is missing; a camera needs it to decode what it "
+                         "sees");
+  }
+  Json camera{{"camera", call.camera}, {"seed", seed}, {"truth", call.truth}};
+  for (const auto& [option, file] : kFiles)
+    if (!(call.*file).empty()) camera[option] = with_content(call.*file);
+  camera[kPanel] = with_content(panel_of(call.pattern));
+  camera["shaft"] = call.seeing.shaft;
+  camera["tool_margin"] = call.seeing.tool_margin;
+  camera["least_depths"] = call.seeing.least_depths;
+  return camera.dump();
+}
+
+std::string moved_camera(const std::string& description, const CameraCall& call,
+                         const fs::path& store) {
+  if (description.empty()) {
+    for (const auto& [option, file] : kFiles) {
+      if (!(call.*file).empty())
+        throw InvalidInput(std::string(option) + ": the campaign of " + store.string() +
+                           " has no camera; leave it out");
+    }
+    return {};
+  }
+  Json camera = Json::parse(description);
+  const auto take = [&](const char* option, const fs::path& given) {
+    if (!camera.contains(option) && given.empty()) return;
+    const fs::path now = given.empty() ? path_of(camera, option) : given;
+    const Json there = with_content(now);
+    if (!camera.contains(option) || there["content"] != camera[option]["content"]) {
+      throw InvalidInput(
+          now.string() + ": is not the file with which the campaign of " + store.string() +
+          " began, so its range maps would not fit those that are recorded. Give that one" +
+          (option == kPanel ? std::string(" beside --pattern") : " with " + std::string(option)) +
+          ", or begin a new campaign");
+    }
+    camera[option] = there;
+  };
+  for (const auto& [option, file] : kFiles) take(option, call.*file);
+  take(kPanel, call.pattern.empty() ? fs::path() : panel_of(call.pattern));
+  return camera.dump();
+}
+
+void check_camera_folders(const std::string& description, const fs::path& store) {
+  if (description.empty()) return;
+  std::vector<const char*> folders{kRange};
+  if (Json::parse(description)["truth"].get<bool>()) folders.push_back(kTruth);
+  for (const char* folder : folders) {
+    const fs::path place = beside(store, folder);
+    std::error_code error;
+    if (fs::exists(place, error) && !fs::is_empty(place, error)) {
+      throw InvalidInput(place.string() +
+                         ": holds files already, and the campaign would write its own into it; "
+                         "write the store into a folder of its own");
+    }
+  }
+}
+
+struct CampaignCamera::Impl {
+  fs::path folder;  // of the store
+  bool truth;
+  sensing::Rig rig;
+  std::unique_ptr<acquisition::RestCamera> camera;
+  std::optional<sensing::Decoder> decoder;
+  std::optional<acquisition::SeeingProber> prober;
+};
+
+CampaignCamera::CampaignCamera(const std::string& description, const fs::path& store,
+                               const probing::ContactPlan& plan, CampaignArm& arm) {
+  const Json json = Json::parse(description);
+  const std::shared_ptr<const probing::Specimen> specimen = arm.specimen();
+  if (!specimen || !arm.tells_truth()) {
+    throw InvalidInput(
+        "--camera simulated: sees what a simulated arm does to a specimen; give --arm quasi-static "
+        "or virtual, without --replay");
+  }
+  const fs::path rig = path_of(json, "--rig"), pattern = path_of(json, "--pattern"),
+                 colors = path_of(json, "--colors"), sensor = path_of(json, "--sensor");
+  acquisition::VirtualCameraSetup setup;
+  setup.rig = load_rig(rig);
+  setup.pattern = sensing::read_pattern(pattern);
+  sensing::check_pattern_fits(setup.pattern, setup.rig.projector, pattern.string());
+  if (setup.pattern.multishot) {
+    throw InvalidInput(pattern.string() +
+                       ": is for several images of a still scene; a campaign takes one of each "
+                       "sample. Give the pattern of 'palpate pattern' without --multishot");
+  }
+  if (colors.empty() && !setup.pattern.stripe_edges.empty()) {
+    throw InvalidInput("--colors: is missing; " + pattern.string() +
+                       " has coloured stripes. Give the trained colours (colors.yaml), as palpate "
+                       "calibrate colors writes them.");
+  }
+  setup.panel = read_panel(panel_of(pattern), pattern, setup.rig.projector, rig);
+  if (!sensor.empty()) setup.sensor = sensing::read_virtual_sensor(sensor);
+  setup.sensor.seed = json["seed"].get<std::uint64_t>();
+  const acquisition::SeeingOptions seeing = seeing_of(json);
+  setup.tool = {.radius = specimen->tip_radius().value_or(plan.options.tip_radius),
+                .shaft = seeing.shaft};
+  impl_.reset(new Impl{.folder = store.parent_path(),
+                       .truth = json["truth"].get<bool>(),
+                       .rig = setup.rig,
+                       .camera = nullptr,
+                       .decoder = {},
+                       .prober = {}});
+  impl_->decoder.emplace(
+      setup.rig, setup.pattern,
+      colors.empty() ? sensing::TrainedColors{} : sensing::read_trained_colors(colors));
+  const double radius = setup.tool.radius;
+  try {
+    impl_->camera = acquisition::make_virtual_camera(specimen, std::move(setup));
+  } catch (const InvalidInput& unseen) {
+    throw InvalidInput(std::string("--camera simulated: ") + unseen.what());
+  }
+  impl_->prober.emplace(
+      arm, *impl_->camera, *impl_->decoder, radius,
+      acquisition::SeeingFolders{
+          .base = impl_->folder, .range = kRange, .truth = impl_->truth ? kTruth : ""},
+      seeing);
+}
+CampaignCamera::~CampaignCamera() = default;
+
+void CampaignCamera::begin() const {
+  sensing::write_rig(impl_->folder / kRange / "rig.yaml", impl_->rig);
+  if (impl_->truth) sensing::write_rig(impl_->folder / kTruth / "rig.yaml", impl_->rig);
+}
+
+probing::Prober& CampaignCamera::prober() { return *impl_->prober; }
+
+}  // namespace palpate::apps
