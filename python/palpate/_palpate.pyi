@@ -314,6 +314,7 @@ class SurfaceTracker(metaclass=_Class):
         *,
         nodes: int = ...,
         stiffness: float = ...,
+        hold: float = ...,
         reach: float = ...,
         iterations: int = ...,
         min_visible: float = ...,

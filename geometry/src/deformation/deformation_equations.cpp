@@ -191,11 +191,12 @@ void DeformationEquations::fill_matrix(const Sums& sums) {
 }
 
 double DeformationEquations::step(std::span<const PlanePair> pairs, double stiffness,
-                                  const Eigen::Matrix3Xd& anchors,
+                                  const Eigen::Matrix3Xd& anchors, double hold,
                                   std::vector<Eigen::Isometry3d>& motions) {
   Sums sums = sum_of_planes(pairs, motions);
   add_stiffness(stiffness, motions, sums);
   add_anchors(kAnchor * stiffness, anchors, motions, sums);
+  if (hold > 0) add_anchors(hold, graph_.nodes(), motions, sums);
   fill_matrix(sums);
   solver_.factorize(matrix_);
   const Eigen::VectorXd moves = solver_.solve(-sums.gradient);

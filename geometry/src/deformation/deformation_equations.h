@@ -33,8 +33,9 @@ class DeformationEquations {
   /// motion of a node [mm], with rotations measured at the spacing of the nodes.
   /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
+  /// \param hold  with which nodes are held where they are in the graph
   double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::Matrix3Xd& anchors,
-              std::vector<Eigen::Isometry3d>& motions);
+              double hold, std::vector<Eigen::Isometry3d>& motions);
 
  private:
   using Vector6d = Eigen::Vector<double, 6>;

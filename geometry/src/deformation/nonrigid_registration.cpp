@@ -24,6 +24,9 @@ namespace {
 /// the result by less than the noise of a sensor.
 constexpr std::size_t kSamplesPerNode = 60;
 
+/// Weight of a known vertex, in those of all measured points around a node.
+constexpr double kKnown = 10;
+
 /// Fewer pairs do not even determine a rigid motion.
 constexpr int kMinPairs = 6;
 
@@ -142,6 +145,7 @@ void check_options(const NonRigidOptions& options) {
   require("NonRigidOptions::max_normal_angle", options.max_normal_angle,
           above(0).below(std::numbers::pi / 2), "rad");
   require("NonRigidOptions::stiffness", options.stiffness, above(0).finite());
+  require("NonRigidOptions::hold", options.hold, at_least(0).finite());
   require("NonRigidOptions::min_matched", options.min_matched, at_least(0).at_most(1));
 }
 
@@ -163,16 +167,39 @@ std::vector<Eigen::Isometry3d> check_start(const DeformationGraph& graph,
   return {start.begin(), start.end()};
 }
 
+void check_known(const DeformationGraph& graph, std::span<const KnownVertex> known) {
+  for (const KnownVertex& one : known) {
+    if (one.vertex < 0 || one.vertex >= graph.mesh().vertices.cols()) {
+      throw InvalidInput("register_deformed: vertex " + std::to_string(one.vertex) +
+                         " is known, and the surface has " +
+                         std::to_string(graph.mesh().vertices.cols()) + " vertices");
+    }
+    if (!one.place.allFinite()) {
+      throw InvalidInput("register_deformed: the known place of vertex " +
+                         std::to_string(one.vertex) + " is not finite");
+    }
+  }
+}
+
+/// The samples, and then each known vertex three times: it is attracted to a plane across each
+/// axis.
+std::vector<int> with_known(std::vector<int> samples, std::span<const KnownVertex> known) {
+  for (const KnownVertex& one : known) samples.insert(samples.end(), 3, one.vertex);
+  return samples;
+}
+
 class Fit {
  public:
   Fit(const DeformationGraph& graph, const RangeMap& map, const NonRigidOptions& options,
-      std::vector<Eigen::Isometry3d> start)
+      std::vector<Eigen::Isometry3d> start, std::span<const KnownVertex> known)
       : graph_(graph),
         options_(options),
         steps_(options.progress, options.max_iterations + 1),
         diagonal_(bounding_diagonal(graph.mesh())),
         surface_(map),
-        equations_(graph, choose_samples(graph)) {
+        known_(known),
+        samples_(choose_samples(graph)),
+        equations_(graph, with_known(samples_, known)) {
     result_.node_motions = std::move(start);
   }
 
@@ -194,7 +221,7 @@ class Fit {
     int level = is_tracked ? kFirstTrackedLevel : 0;
     int steps_of_level = 0;
     std::vector<PlanePair> pairs(equations_.samples().size());
-    std::vector<int> pixels(pairs.size(), -1);
+    std::vector<int> pixels(samples_.size(), -1);
     Eigen::Matrix3Xd anchors = places_of_nodes();
     while (result_.iterations < options_.max_iterations) {
       if (draw(gate(level), pixels, pairs) < kMinPairs) {
@@ -204,7 +231,8 @@ class Fit {
       // A tracked surface is already deformed, and a higher stiffness would undo this.
       const double stiffness =
           options_.stiffness * (is_tracked ? 1 : between(kStiffStart, 1, level));
-      const double move = equations_.step(pairs, stiffness, anchors, result_.node_motions);
+      const double move =
+          equations_.step(pairs, stiffness, anchors, options_.hold, result_.node_motions);
       ++result_.iterations;
       steps_.tell();
       ++steps_of_level;
@@ -236,23 +264,39 @@ class Fit {
   /// Pairs the samples with the map; returns how many found a plane. Keeps each sample's pixel if
   /// possible, because noise that changes from pixel to pixel prevents convergence.
   long draw(const Gate& limit, std::vector<int>& pixels, std::vector<PlanePair>& pairs) const {
-    parallel_for(pairs.size(), [&](std::size_t s) {
-      const PlacedVertex placed = place(graph_, result_.node_motions, equations_.samples()[s]);
+    parallel_for(samples_.size(), [&](std::size_t s) {
+      const PlacedVertex placed = place(graph_, result_.node_motions, samples_[s]);
       const Association found =
           associate(surface_, placed.position, placed.normal, limit, pixels[s]);
       pixels[s] = found.pixel;
       pairs[s] = found.pair;
       if (found.plane.at_border) pairs[s].weight = 0;
     });
-    return std::ranges::count_if(pairs, [](const PlanePair& pair) { return pair.weight > 0; });
+    const auto found = std::ranges::count_if(std::span(pairs).first(samples_.size()),
+                                             [](const PlanePair& pair) { return pair.weight > 0; });
+    attract_known(std::span(pairs).subspan(samples_.size()));
+    return found;
+  }
+
+  /// \param pairs three for each known vertex
+  void attract_known(std::span<PlanePair> pairs) const {
+    const double weight = kKnown * static_cast<double>(equations_.samples().size()) /
+                          static_cast<double>(graph_.nodes().cols());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const KnownVertex& one = known_[i / 3];
+      const auto axis = static_cast<Eigen::Index>(i % 3);
+      const Eigen::Vector3d off =
+          place(graph_, result_.node_motions, one.vertex).position - one.place;
+      pairs[i] = {Eigen::Vector3d::Unit(axis), off[axis], weight};
+    }
   }
 
   /// The samples as they lie now.
   [[nodiscard]] std::vector<SeenSample> seen_samples() const {
     const Gate last = gate(kLevels - 1);
-    std::vector<SeenSample> samples(equations_.samples().size());
+    std::vector<SeenSample> samples(samples_.size());
     parallel_for(samples.size(), [&](std::size_t s) {
-      const int vertex = equations_.samples()[s];
+      const int vertex = samples_[s];
       const PlacedVertex placed = place(graph_, result_.node_motions, vertex);
       const Association found = associate(surface_, placed.position, placed.normal, last);
       samples[s] = {vertex, placed.position, placed.normal, found.pair};
@@ -301,7 +345,9 @@ class Fit {
   WorkSteps steps_;
   double diagonal_;  ///< [mm]
   MeasuredSurface surface_;
-  DeformationEquations equations_;
+  std::span<const KnownVertex> known_;
+  std::vector<int> samples_;
+  DeformationEquations equations_;  // of the samples, then of the known vertices
   DeformedSurface result_;
 };
 
@@ -309,9 +355,11 @@ class Fit {
 
 DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
                                   const NonRigidOptions& options,
-                                  std::span<const Eigen::Isometry3d> start) {
+                                  std::span<const Eigen::Isometry3d> start,
+                                  std::span<const KnownVertex> known) {
   check_options(options);
-  Fit fit(graph, map, options, check_start(graph, start));
+  check_known(graph, known);
+  Fit fit(graph, map, options, check_start(graph, start), known);
   return fit.run(!start.empty());
 }
 

@@ -99,6 +99,7 @@ NonRigidOptions registration_options(const TrackingOptions& options) {
   return {.max_iterations = options.iterations,
           .max_correspondence = options.reach,
           .stiffness = options.stiffness,
+          .hold = options.hold,
           .min_matched = 0};  // `min_visible` decides instead
 }
 
@@ -114,6 +115,10 @@ void visit(TrackingOptions& options, FieldVisitor& visitor) {
                 "Resistance of the surface to deformation: a low value follows small dents and "
                 "noise, a high one bridges holes smoothly"},
                options.stiffness, above(0).finite());
+  visitor.real({"hold",
+                "Strength with which the surface is held at the reference, for an object that does "
+                "not move as a whole: 0.01 keeps a plane from sliding in itself; 0 holds nothing"},
+               options.hold, at_least(0).finite());
   visitor.real({"reach",
                 "Largest distance of the surface from the reference in the first frame; from frame "
                 "to frame it may move by about a third of it",
@@ -143,11 +148,11 @@ void SurfaceTracker::start_from(std::vector<Eigen::Isometry3d> node_motions) {
   motions_ = std::move(node_motions);
 }
 
-TrackedSurface SurfaceTracker::track(const RangeMap& map) {
+TrackedSurface SurfaceTracker::track(const RangeMap& map, std::span<const KnownVertex> known) {
   TrackedSurface found{
       .surface = register_deformed(
           graph_, map, registration_options(options_),
-          options_.from_reference ? std::span<const Eigen::Isometry3d>() : motions_),
+          options_.from_reference ? std::span<const Eigen::Isometry3d>() : motions_, known),
       .confidence = {},
       .figures = {},
       .lost = {}};

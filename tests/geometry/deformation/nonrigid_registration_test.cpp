@@ -84,6 +84,77 @@ TEST(RegisterDeformed, IsNotPulledByDepthsThatAreBiasedAtTheBorder) {
   EXPECT_LT(errors(found.vertices, rest.vertices, all(rest)).rms, 0.15);
 }
 
+/// A plane of 100 mm that faces the camera, pressed in by 3 mm within 9 mm of its middle, and what
+/// the camera sees of it; nothing within 6 mm, where a tool stands.
+struct PressedPlane {
+  TriangleMesh rest, pressed;
+  RangeMap map;
+  Eigen::Index middle = 0;
+
+  PressedPlane() {
+    constexpr int kSide = 51;
+    rest.vertices.resize(3, kSide * kSide);
+    for (int i = 0; i < kSide * kSide; ++i)
+      rest.vertices.col(i) << 2 * (i % kSide) - 50, 2 * (i / kSide) - 50, 700;
+    rest.triangles.resize(3, 2 * (kSide - 1) * (kSide - 1));
+    for (int y = 0, t = 0; y + 1 < kSide; ++y) {
+      for (int x = 0; x + 1 < kSide; ++x) {
+        const int corner = y * kSide + x;
+        rest.triangles.col(t++) << corner, corner + kSide, corner + 1;
+        rest.triangles.col(t++) << corner + 1, corner + kSide, corner + kSide + 1;
+      }
+    }
+    middle = kSide * kSide / 2;
+    pressed = test::deformed(rest, [](const Vector3d& p) {
+      return Vector3d(p.x(), p.y(), p.z() + 3 * std::exp(-p.head<2>().squaredNorm() / 81));
+    });
+    const Camera camera{
+        .width = 200, .height = 200, .fx = 1000, .fy = 1000, .cx = 99.5, .cy = 99.5};
+    map = test::render(pressed, camera);
+    for (Eigen::Index v = 0; v < 200; ++v)
+      for (Eigen::Index u = 0; u < 200; ++u)
+        if (std::hypot(static_cast<double>(v) - 99.5, static_cast<double>(u) - 99.5) * 0.7 < 6)
+          map.z(v, u) = std::numeric_limits<float>::quiet_NaN();
+  }
+};
+
+TEST(RegisterDeformed, APlaneThatIsHeldDoesNotSlideInItself) {
+  const PressedPlane plane;
+  const DeformationGraph graph(plane.rest, {.nodes = 250});
+  // A fault at one side that pulls along the plane, as depths beside a shadow do.
+  RangeMap faulty = plane.map;
+  for (Eigen::Index v = 60; v < 140; ++v)
+    for (Eigen::Index u = 40; u < 60; ++u) faulty.z(v, u) += 0.15F * static_cast<float>(u - 40);
+  const auto slid = [&](double hold) {
+    const DeformedSurface found = register_deformed(graph, faulty, {.hold = hold});
+    return (found.vertices - plane.rest.vertices).topRows<2>().rowwise().mean().norm();
+  };
+  const double held = slid(0.003), free = slid(0);
+  EXPECT_LT(held, 0.1) << free;
+  EXPECT_LT(held, 0.3 * free);
+}
+
+TEST(RegisterDeformed, GoesThroughWhatIsKnownWhereTheMapShowsNothing) {
+  const PressedPlane plane;
+  const DeformationGraph graph(plane.rest, {.nodes = 600});
+  const KnownVertex tool{static_cast<int>(plane.middle), plane.pressed.vertices.col(plane.middle)};
+  std::vector<bool> hidden(all(plane.rest));
+  for (std::size_t v = 0; v < hidden.size(); ++v)
+    hidden[v] = plane.rest.vertices.col(static_cast<Eigen::Index>(v)).head<2>().norm() < 6;
+  const NonRigidOptions held{.hold = 0.003};
+  const DeformedSurface alone = register_deformed(graph, plane.map, held),
+                        with = register_deformed(graph, plane.map, held, {}, {&tool, 1});
+  EXPECT_LT((with.vertices.col(plane.middle) - tool.place).norm(), 0.2);
+  EXPECT_LT(errors(with.vertices, plane.pressed.vertices, hidden).rms,
+            0.6 * errors(alone.vertices, plane.pressed.vertices, hidden).rms);
+  EXPECT_THROW(
+      (void)register_deformed(graph, plane.map, held, {}, std::vector{KnownVertex{-1, {}}}),
+      InvalidInput);
+  EXPECT_THROW((void)register_deformed(graph, plane.map, held, {},
+                                       std::vector{KnownVertex{0, Vector3d::Constant(kNaN)}}),
+               InvalidInput);
+}
+
 TEST(RegisterDeformed, FindsARigidMotion) {
   const TriangleMesh rest = rest_mesh();
   const Isometry3d T = Eigen::Translation3d(9.1, -6.3, 690.7) *

@@ -14,6 +14,12 @@
 
 namespace palpate::geometry {
 
+/// Where a vertex of the deformed surface is known to be, whether the map shows it or not.
+struct KnownVertex {
+  int vertex = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< [mm] camera frame
+};
+
 struct NonRigidOptions {
   int max_iterations = 60;  ///< >= 1
   /// Initial gate: a vertex is attracted to the measured surface iff its distance from it is at
@@ -26,6 +32,10 @@ struct NonRigidOptions {
   /// points around it; > 0. A low value follows small dents and noise, a high one bridges holes
   /// smoothly.
   double stiffness = 0.01;
+  /// Strength with which each node is held at its undeformed place, relative to the measured points
+  /// around it; >= 0. For an object that is held and only pressed: what the map does not show, such
+  /// as a motion of a plane in itself, then stays as small as it can be.
+  double hold = 0;
   /// `stop` is `poor_match` iff the surface converged and less than this fraction of the vertices
   /// whose pixels have a measurement are on the measured surface; in [0, 1].
   double min_matched = 0.3;
@@ -86,6 +96,8 @@ struct DeformedSurface {
 /// whole. Where nothing is measured, the surface follows its neighbours as rigidly as possible;
 /// parts without any constraint stay. There is no point-to-point term: along a pixel's ray it would
 /// repeat the plane term, and it would slow sliding, which the damping of the steps already limits.
+/// With `hold`, hold sum_j |g'_j - g_j|^2 is added; known vertices add |v' - place|^2, with ten
+/// times the weight of the measured points around a node.
 ///
 /// Motion along the surface is visible only in its relief: on a plane or a sphere the result is the
 /// motion of least distortion, not the true one. `DeformedSurface::along` tells where.
@@ -93,11 +105,12 @@ struct DeformedSurface {
 /// stiffness, and can move by up to max_correspondence (min_correspondence /
 /// max_correspondence)^0.6, a third of `max_correspondence` by default. Without `start` the search
 /// starts undeformed.
-/// \throws InvalidInput if the camera or an option is not valid, or the start belongs to another
-/// graph.
+/// \throws InvalidInput if the camera or an option is not valid, a known vertex does not exist or is
+/// not at a finite place, or the start belongs to another graph.
 /// \throws SolverError if the equations of a step cannot be solved.
 [[nodiscard]] DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
                                                 const NonRigidOptions& options = {},
-                                                std::span<const Eigen::Isometry3d> start = {});
+                                                std::span<const Eigen::Isometry3d> start = {},
+                                                std::span<const KnownVertex> known = {});
 
 }  // namespace palpate::geometry

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace palpate::geometry {
 struct TrackingOptions {
   int nodes = DeformationGraphOptions{}.nodes;
   double stiffness = NonRigidOptions{}.stiffness;
+  double hold = NonRigidOptions{}.hold;
   double reach = NonRigidOptions{}.max_correspondence;
   int iterations = NonRigidOptions{}.max_iterations;
   /// The visible part is right however little there is: with 0 to 97 % of a moving surface hidden,
@@ -72,8 +74,9 @@ class SurfaceTracker {
   [[nodiscard]] bool has_start() const { return !motions_.empty(); }
 
   /// Finds the surface in a range map. If it is lost, the next frame starts where this one did.
-  /// \throws InvalidInput if the camera is not valid.
-  TrackedSurface track(const RangeMap& map);
+  /// \param known vertices whose places are known otherwise.
+  /// \throws InvalidInput if the camera or a known vertex is not valid.
+  TrackedSurface track(const RangeMap& map, std::span<const KnownVertex> known = {});
 
  private:
   TrackingOptions options_;
