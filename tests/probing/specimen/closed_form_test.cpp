@@ -169,7 +169,7 @@ TEST(ClosedForm, TheSurfaceOfTheElasticBodyMovesAsItsPointLoadsAddUp) {
     const double allowed = (1 - 2 * nu) / (std::numbers::pi * (1 - nu)) * tool.norm();
     for (const double r : {0.0, 1.7, 3.9, 4.0})
       EXPECT_LE((displacement_beside(body, {r, 0}, force) - tool).norm(), allowed + 1e-12) << r;
-    EXPECT_EQ(displacement_beside(body, {0, 0}, force), tool);
+    EXPECT_LT((displacement_beside(body, {0, 0}, force) - tool).norm(), 1e-12);
   }
 }
 
@@ -179,8 +179,8 @@ TEST(ClosedForm, OnlyObjectsWithAFieldKnowTheirShape) {
   ASSERT_TRUE(body->knows_shape());
   const Eigen::Matrix3Xd moved = body->deformed_surface(at, force) - body->surface().vertices;
   for (Eigen::Index v = 0; v < moved.cols(); ++v) {
-    if ((body->surface().vertices.col(v) - at).norm() < 1e-9)
-      EXPECT_LT((moved.col(v) - body->displacement(at, force)).norm(), 1e-12);
+    if ((body->surface().vertices.col(v) - at).norm() > 1e-9) continue;
+    EXPECT_LT((moved.col(v) - body->displacement(at, force)).norm(), 1e-12);
   }
   EXPECT_LT(moved.row(2).minCoeff(), 0.1 * moved.row(2).maxCoeff());
   EXPECT_FALSE(make_specimen(Sheet{})->knows_shape());

@@ -81,8 +81,11 @@ TEST(FiniteElementSpecimen, ShowsWhereItsSurfaceIsUnderAForce) {
   for (Eigen::Index v = 0; v < rest.cols(); ++v) {
     const double away = (rest.col(v) - at).norm();
     // The centre of the tip is nearer than the surface by the penalty of the contact.
-    if (away < 1e-9) EXPECT_LT((moved.col(v) - tip).norm(), 0.1 * tip.norm());
-    if (away > 15) EXPECT_LT(moved.col(v).norm(), 0.3 * tip.norm());
+    if (away < 1e-9) {
+      EXPECT_LT((moved.col(v) - tip).norm(), 0.1 * tip.norm());
+    } else if (away > 15) {
+      EXPECT_LT(moved.col(v).norm(), 0.3 * tip.norm());
+    }
   }
   EXPECT_THROW((void)block->deformed_surface(at, -force), SolverError);
 }
