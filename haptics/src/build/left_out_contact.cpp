@@ -35,6 +35,7 @@ Model LeftOutModels::without(std::size_t contact) const {
   rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(contact));
   rest.triangles = std::move(triangulation.mesh.triangles);
   rest.surface_weights = std::move(triangulation.weights);
+  rest.response.reset();  // of all contacts; forces do not depend on it
   return interpolated_as(std::move(rest), model_.interpolation);
 }
 

@@ -36,6 +36,14 @@ TEST(LeftOutContact, LeavesOneTriangleOfASquare) {
   EXPECT_NO_THROW(check_model(rest));
 }
 
+TEST(LeftOutContact, DoesNotKeepHowTheSurfaceFollowsAllContacts) {
+  Model model = sheet_model();
+  model.response.emplace();
+  const Model rest = LeftOutModels(model, places_of(model)).without(1);
+  EXPECT_FALSE(rest.response.has_value());
+  EXPECT_NO_THROW(check_model(rest));
+}
+
 TEST(LeftOutContact, RefusesPointsOfOtherContacts) {
   const Model model = sheet_model();
   std::vector<geometry::SurfacePoint> places = places_of(model);

@@ -23,7 +23,8 @@ class LeftOutModels {
   /// triangulated.
   LeftOutModels(const Model& model, std::span<const geometry::SurfacePoint> points);
 
-  /// The model without one contact, of this index.
+  /// The model without one contact, of this index, and without `Model::response`, which belongs to
+  /// all contacts.
   /// \throws InvalidInput if there is no such contact, or if the others cannot be triangulated.
   [[nodiscard]] Model without(std::size_t contact) const;
 
