@@ -198,6 +198,23 @@ TEST_F(ProbeCamera, EndsInAModelWhoseSurfaceFollowsAsRecorded) {
   }
 }
 
+TEST_F(ProbeCamera, TrackingRefusesAnAcquisitionThatDoesNotBelongToTheRangeMaps) {
+  const std::string range = (fs::path(campaign().store).parent_path() / "range").string();
+  const auto refused = [&](const std::string& acquisition, const geometry::TriangleMesh& surface) {
+    geometry::write_mesh(scratch / "reference.ply", surface);
+    return refusal_of({"track", range, "--reference", scratch / "reference.ply", "--acquisition",
+                       acquisition, "-o", scratch / "tracked"});
+  };
+  geometry::TriangleMesh surface = probing::parse_specimen(kSoftBody, "")->surface();
+  (void)figures_of(
+      {"probe", "run", campaign().plan, "--specimen", campaign().specimen, "-o", store});
+  EXPECT_THAT(refused(store, surface), HasSubstr("no sample that held names a range map"));
+  surface.vertices.row(0).array() += 200;
+  EXPECT_THAT(refused(campaign().store, surface),
+              HasSubstr("mm from the reference; both must be in the frame of the camera"));
+  EXPECT_FALSE(fs::exists(scratch / "tracked"));
+}
+
 TEST_F(ProbeCamera, RefusesWhatItCannotRecord) {
   const auto with = [&](std::size_t at, const std::string& value) {
     std::vector<std::string> call = camera_call(campaign().plan, campaign().specimen, store);
