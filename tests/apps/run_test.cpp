@@ -249,6 +249,9 @@ TEST_F(Run, GoesOnAfterCtrlCAndAfterAKill) {
       EXPECT_THAT(stopped.err, HasSubstr("to continue, call palpate run again"));
     }
     ASSERT_FALSE(fs::exists(output + "/model"));
+    EXPECT_EQ(statuses({"-o", output, "--status"}),
+              signal == SIGINT ? "import done, fit failed, export missing"
+                               : "import done, fit interrupted, export missing");
     const std::string kept = read_text(output + "/model.fits");
     auto rest = steps({"-o", output});
     EXPECT_EQ(rest["import"]["status"], "unchanged");
@@ -279,7 +282,6 @@ TEST_F(Run, GoesOnWithFitsOfOtherSettingsByBeginningAnew) {
       "fit:    {surface: scan.ply}\n");
   const CommandOptions interrupt = {.interrupt_when_there_is = scratch / "model.fits"};
   ASSERT_EQ(run({"--threads", "1"}, interrupt).status, kInterrupted);
-  json record = json::parse(read_text(scratch / "project.run"));
   record["steps"]["fit"]["entries"]["accuracy"] = {{"0.5"}};
   write_text(scratch / "project.run", record.dump());
   replace_in("project.yaml", "scan.ply}", "scan.ply, accuracy: 0.5}");
@@ -345,6 +347,19 @@ TEST_F(Run, ASecondRunOfTheSameProjectIsRefused) {
   EXPECT_THAT(second.err, HasSubstr("another run of palpate is writing into this folder"));
   EXPECT_FALSE(fs::exists(scratch / "project.run"));
   EXPECT_EQ(run({"--dry-run"}).status, kDone);
+}
+
+TEST_F(Run, TellsItsStatusWhileItRunsWithoutChangingAnything) {
+  EXPECT_EQ(statuses({"--status"}),
+            "mesh missing, import missing, fit missing, play missing, export missing");
+  EXPECT_FALSE(fs::exists(scratch / "project.run"));
+  steps();
+  const std::string all_done = "mesh done, import done, fit done, play done, export done";
+  EXPECT_EQ(statuses({"--status"}), all_done);
+  replace_in("project.run", "\"done\"", "\"begun\"");  // of the first step by name, export
+  const FolderLock lock(scratch.path());
+  EXPECT_EQ(statuses({"--status"}), "mesh done, import done, fit done, play done, export running");
+  EXPECT_EQ(run({"--status", "--dry-run"}).status, kWrongCall);
 }
 
 TEST_F(Run, SaysIfItCannotWrite) {

@@ -29,4 +29,12 @@ FolderLock::FolderLock(const std::filesystem::path& folder)
 
 FolderLock::~FolderLock() { ::close(handle_); }
 
+bool is_locked(const std::filesystem::path& folder) {
+  const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (handle == -1) return false;
+  const bool locked = ::flock(handle, LOCK_SH | LOCK_NB) == -1 && errno == EWOULDBLOCK;
+  ::close(handle);
+  return locked;
+}
+
 }  // namespace palpate::apps

@@ -21,4 +21,7 @@ class FolderLock {
   int handle_ = -1;
 };
 
+/// Whether another run of the program is writing into a folder; false if there is no such folder.
+[[nodiscard]] bool is_locked(const std::filesystem::path& folder);
+
 }  // namespace palpate::apps

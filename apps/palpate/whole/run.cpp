@@ -29,13 +29,15 @@ using Json = nlohmann::ordered_json;
 
 struct RunProjectCall {
   fs::path project, output;
-  bool dry_run = false;
+  bool dry_run = false, status = false;
 };
 
 /// What became of a step.
 struct StepOutcome {
   std::string step;
-  std::string status;       ///< done, unchanged, failed; of a dry run due, depends, unchanged
+  /// done, unchanged, failed; of a dry run due, depends, unchanged; of a look at the status done,
+  /// failed, running, interrupted, missing
+  std::string status;
   std::string reason = {};  ///< why it is, or was, to be done
   double seconds = 0;       ///< in which it was done; 0 if it was not
   Json figures = {};        ///< of its command; null if there are none
@@ -74,7 +76,8 @@ class RunReport {
   /// "5 steps: 2 done, 3 unchanged"
   [[nodiscard]] std::string in_words() const {
     std::vector<std::string> counts;
-    for (const char* status : {"done", "due", "depends", "failed", "unchanged"}) {
+    for (const char* status :
+         {"done", "due", "depends", "failed", "unchanged", "running", "interrupted", "missing"}) {
       const auto count = std::ranges::count(outcomes_, status, &StepOutcome::status);
       if (count > 0) counts.push_back(fmt::format("{} {}", count, status));
     }
@@ -189,6 +192,29 @@ void tell_plans(const std::vector<StepCall>& calls, const std::vector<StepPlan>&
   report.finish();
 }
 
+/// What has become of the steps so far, by the record alone.
+/// \param at_work whether a run is doing one of them.
+void tell_status(const std::vector<StepCall>& calls, const ProjectRecord& record, bool at_work,
+                 RunReport& report) {
+  const auto status_of = [&](const StepRecord* step) {
+    if (step == nullptr) return "missing";
+    if (step->state == StepState::done) return "done";
+    if (step->state == StepState::failed) return "failed";
+    return at_work ? "running" : "interrupted";
+  };
+  for (const StepCall& call : calls) {
+    const StepRecord* const step = record.find(call.step->name);
+    StepOutcome outcome{.step = call.step->name, .status = status_of(step)};
+    if (outcome.status == "done") {
+      outcome.seconds = step->seconds;
+      outcome.figures = step->figures;
+    }
+    const std::string figure = figure_in_words(*call.step, outcome.figures);
+    report.add(std::move(outcome), figure);
+  }
+  report.finish();
+}
+
 void run_project(const Settings& settings, RunProjectCall call) {
   const Project project = read_project(call.project);
   const fs::path file = fs::absolute(call.project);
@@ -203,6 +229,10 @@ void run_project(const Settings& settings, RunProjectCall call) {
     return;
   }
   const fs::path folder = results.empty() ? fs::path(".") : results;
+  if (call.status) {
+    tell_status(calls, ProjectRecord(record_file), is_locked(folder), report);
+    return;
+  }
   std::error_code failed;  // is told by the lock
   fs::create_directories(folder, failed);
   const FolderLock lock(folder);
@@ -225,6 +255,11 @@ void add_run(CLI::App& app, const Settings& settings) {
                       "Folder for all results (default: as the file says, or its own folder)");
   command->add_flag("--dry-run", call->dry_run,
                     "Only say which steps are to be done, and why; with -v, by which calls");
+  command
+      ->add_flag("--status", call->status,
+                 "Only say which steps are done, running, interrupted, failed or missing; also "
+                 "while another call runs the project")
+      ->excludes("--dry-run");
   std::vector<std::string> names;
   for (const ProjectStep& step : project_steps()) names.push_back(step.name);
   command->footer(fmt::format(
@@ -236,7 +271,8 @@ void add_run(CLI::App& app, const Settings& settings) {
       "them. After Ctrl-C, a crash or an error, the same call goes on.\n"
       "Results that were changed since, and files that this command did not write, are never "
       "replaced.\n"
-      "Examples:\n  palpate run project.yaml\n  palpate run project.yaml --dry-run",
+      "Examples:\n  palpate run project.yaml\n  palpate run project.yaml --dry-run\n"
+      "  palpate run project.yaml --status",
       fmt::join(names, ", ")));
   command->callback([call, &settings] { run_project(settings, *call); });
 }
