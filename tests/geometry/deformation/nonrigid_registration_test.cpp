@@ -148,7 +148,7 @@ TEST(RegisterDeformed, GoesThroughWhatIsKnownWhereTheMapShowsNothing) {
   EXPECT_LT(errors(with.vertices, plane.pressed.vertices, hidden).rms,
             0.6 * errors(alone.vertices, plane.pressed.vertices, hidden).rms);
   EXPECT_THROW(
-      (void)register_deformed(graph, plane.map, held, {}, std::vector{KnownVertex{-1, {}}}),
+      (void)register_deformed(graph, plane.map, held, {}, std::vector{KnownVertex{.vertex = -1}}),
       InvalidInput);
   EXPECT_THROW((void)register_deformed(graph, plane.map, held, {},
                                        std::vector{KnownVertex{0, Vector3d::Constant(kNaN)}}),
