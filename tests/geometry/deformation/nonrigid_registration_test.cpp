@@ -413,6 +413,7 @@ TEST(RegisterDeformed, RefusesBadOptionsAndAnotherStart) {
     refuse({.max_normal_angle = bad}, "max_normal_angle");
     refuse({.stiffness = bad}, "stiffness");
   }
+  refuse({.hold = -1}, "NonRigidOptions::hold is -1");
   refuse({.min_correspondence = 0.07}, "at most max_correspondence");
   refuse({.max_normal_angle = 1.6}, "pi/2");
   refuse({.min_matched = 1.1}, "min_matched");
