@@ -10,7 +10,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -90,6 +92,7 @@ Measured exact_trials(const Solid& solid) {
         {static_cast<long long>(result.contacts.size()), at.position, -at.inward});
   }
   constexpr int kLevels = 3, kDirections = 4;
+  constexpr double kDrag = 0.35;  // of the normal force
   constexpr std::size_t kEach = kLevels * (1 + kDirections);
   result.trials.resize(kEach * result.contacts.size());
   parallel_for(result.contacts.size(), [&](std::size_t c) {
@@ -101,11 +104,12 @@ Measured exact_trials(const Solid& solid) {
       const double pressed = solid.force * (level + 1.0) / kLevels;
       Eigen::Matrix3d compliance;  // of all trials of a level: it serves the noise alone
       for (int k = 0; k <= kDirections; ++k) {
-        const double angle = 1.5708 * k + 0.4 * static_cast<double>(c);
+        // Other directions at each contact.
+        const double angle = std::numbers::pi / 2 * k + 0.4 * static_cast<double>(c);
         const Vector3d side = inward.cross(Vector3d::UnitY()).normalized();
         const Vector3d other = inward.cross(side);
         Vector3d force = pressed * inward;
-        if (k > 0) force += 0.35 * pressed * (std::cos(angle) * side + std::sin(angle) * other);
+        if (k > 0) force += kDrag * pressed * (std::cos(angle) * side + std::sin(angle) * other);
         const probing::ContactResult found = series.apply_force(force);
         if (found.stop != probing::ContactStop::converged)
           throw std::runtime_error("no equilibrium");

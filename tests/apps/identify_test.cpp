@@ -110,7 +110,8 @@ TEST_F(IdentifySolid, WritesASpecimenFileThatOtherCommandsUse) {
     EXPECT_EQ(exported.status, kDone) << exported.err;
   }
   EXPECT_NE(read_text(scratch / "solid.inp").find("** Press of contact"), std::string::npos);
-  EXPECT_NE(read_text(scratch / "solid.msh").find("$Elements"), std::string::npos);
+  // Each simulator has a mesh of its own, in its unit.
+  EXPECT_NE(read_text(scratch / "solid.scn.msh"), read_text(scratch / "solid.xml.msh"));
 }
 
 TEST_F(IdentifySolid, RefusesWhatCannotBeASolidOfTheMeasurements) {
@@ -140,6 +141,18 @@ TEST_F(IdentifySolid, RefusesWhatCannotBeASolidOfTheMeasurements) {
               HasSubstr("acquisition.db"));
   EXPECT_THAT(refused({"export", given, "--material", "sofa", "-o", scratch / "a.inp"}),
               HasSubstr("must end in .scn"));
+  // A mesh that the specimen names is an input, too.
+  ASSERT_EQ(run_palpate({"export", given, "--material", "sofa", "-o", scratch / "a.scn"}).status,
+            kDone);
+  write_text(other, R"({"type": "finite_elements", "shape": "mesh", "file": ")" +
+                        (scratch / "a.scn.msh") + R"(", "supports": [{"side": "bottom"}]})");
+  EXPECT_THAT(refused({"export", other, "--material", "mujoco", "-o", scratch / "a.scn.msh"}),
+              HasSubstr("must end in .xml"));
+  EXPECT_THAT(refused({"export", other, "--material", "sofa", "-o", scratch / "a.scn"}),
+              HasSubstr("a.scn.msh"));
+  EXPECT_THAT(
+      refused({"identify", acquisition, "--finite-elements", other, "-o", scratch / "a.scn.msh"}),
+      HasSubstr("a.scn.msh"));
   EXPECT_FALSE(std::filesystem::exists(card));
 }
 

@@ -282,6 +282,7 @@ TEST_F(Run, GoesOnWithFitsOfOtherSettingsByBeginningAnew) {
       "fit:    {surface: scan.ply}\n");
   const CommandOptions interrupt = {.interrupt_when_there_is = scratch / "model.fits"};
   ASSERT_EQ(run({"--threads", "1"}, interrupt).status, kInterrupted);
+  json record = json::parse(read_text(scratch / "project.run"));
   record["steps"]["fit"]["entries"]["accuracy"] = {{"0.5"}};
   write_text(scratch / "project.run", record.dump());
   replace_in("project.yaml", "scan.ply}", "scan.ply, accuracy: 0.5}");

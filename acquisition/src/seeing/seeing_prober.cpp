@@ -37,18 +37,18 @@ std::pair<sensing::Reason, long> main_loss(const sensing::ReasonImage& reasons) 
 void visit(SeeingOptions& options, FieldVisitor& visitor) {
   visitor.begin("SeeingOptions");
   visitor.real({"shaft",
-                "Length of the shaft behind the ball of the tip, both of the same radius, that "
-                "the camera may see and that no depth is taken from",
+                "Length of the tool's shaft, a cylinder with the radius of the tip. Pixels that "
+                "show it get no depth",
                 "mm"},
                options.shaft, above(0).finite());
   visitor.real({"tool_margin",
-                "Around tip and shaft, no depth is taken either: edges of the tool disturb the "
-                "decoding beside them, and its place is not known exactly",
+                "Pixels within this distance of the tip and the shaft get no depth either, because "
+                "edges of the tool disturb the decoding",
                 "mm"},
                options.tool_margin, at_least(0).finite());
   visitor.real({"least_depths",
-                "Least share of the picture that must have depths; with less, the sample has no "
-                "range map, and an event says so"},
+                "Smallest share of pixels with a depth. With fewer, the sample gets no range map, "
+                "and the store gets an event"},
                options.least_depths, above(0).at_most(1));
 }
 

@@ -31,8 +31,9 @@ class VirtualCamera final : public RestCamera {
   RestPicture look(const Rest& rest) override {
     if (!rest.truth) {
       throw InvalidInput(
-          "a virtual camera sees what a simulated arm does to its object; this arm does not tell "
-          "what it does");
+          "a virtual camera needs the true force and position of a simulated arm; this arm does "
+          "not "
+          "report them");
     }
     std::array<sensing::Body, 2> bodies;
     bodies[0].mesh = {

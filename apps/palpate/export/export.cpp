@@ -87,6 +87,11 @@ void write_without_page(const ExportCall& call, PageContent content) {
 }
 
 void export_material(const Settings& settings, ExportCall call) {
+  if (call.color || call.page.every || !call.page.title.empty())
+    throw InvalidInput(
+        "palpate export: --color, --every and --title are for surfaces and pages; --material "
+        "writes "
+        "a solid");
   const std::string ending = simulator_ending(call.material);
   fs::path& output = call.page.output;
   if (output.empty()) output = "solid" + ending;

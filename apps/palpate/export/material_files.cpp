@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <ostream>
 
+#include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
 #include "palpate/probing/material_text.h"
 #include "palpate/probing/simulator_files.h"
@@ -25,18 +27,24 @@ std::string write_material(const std::filesystem::path& input, const std::string
                            const std::filesystem::path& output) {
   const std::string text = probing::read_specimen_text(input);
   const probing::FiniteElementObject object = probing::parse_finite_elements(text, input.string());
+  std::filesystem::path mesh = output;
+  mesh += ".msh";
+  check_outputs({input, object.mesh_file}, {output, mesh});
   if (simulator == "calculix") {
     const std::vector<probing::KnownPress> presses = probing::parse_presses(text, input.string());
-    write_file(output, [&](std::ostream& out) { write_calculix(out, object, presses); });
-    if (presses.empty())
+    std::optional<probing::KnownPress> press;
+    if (!presses.empty()) press = presses.front();
+    write_file(output, [&](std::ostream& out) { write_calculix(out, object, press); });
+    if (!press)
       return "no press to compare with; palpate identify -o writes specimen files with some";
     return fmt::format("its last step is the press of contact {} with a measured force of {:.4g} N",
-                       presses.front().contact, presses.front().force.norm());
+                       press->contact, press->force.norm());
   }
-  std::filesystem::path mesh = output;
-  mesh.replace_extension(".msh");
-  check_outputs({input}, {output, mesh});
   const std::string mesh_name = mesh.filename().string();
+  if (mesh_name.find_first_of("<&\"") != std::string::npos) {
+    throw InvalidInput(output.string() +
+                       ": the name of this file stands in XML; choose one without <, & and quotes");
+  }
   constexpr double kMetre = 1e-3;  // of a millimetre
   const bool mujoco = simulator == "mujoco";
   write_file(output, [&](std::ostream& out) {

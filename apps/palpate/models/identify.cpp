@@ -169,16 +169,37 @@ Json provenance(const IdentifyCall& call, const haptics::IdentifiedSolid& found,
 }
 
 std::string describe_mesh(const haptics::IdentifiedSolid& found) {
-  std::string result;
+  std::vector<std::string> errors;
   for (std::size_t k = 0; k < found.mesh_errors.size(); ++k) {
     const haptics::ParameterEstimate& parameter = found.report.parameters[k];
-    if (std::isfinite(found.mesh_errors[k]) && parameter.value)
-      result += fmt::format("{} {:+.1f} %", result.empty() ? "" : ",",
-                            100 * found.mesh_errors[k] / *parameter.value);
-    else
-      result += fmt::format("{} -", result.empty() ? "" : ",");
+    if (std::isfinite(found.mesh_errors[k]))
+      errors.push_back(fmt::format("{} {:+.1f} %", parameter.name,
+                                   100 * found.mesh_errors[k] / *parameter.value));
   }
-  return "  corrected for the error of the mesh, which is" + result + " of these parameters\n";
+  if (errors.empty()) return {};
+  return fmt::format("  corrected for the error of the mesh: {}\n", fmt::join(errors, ", "));
+}
+
+/// Warns of what the estimate does not use, or does not know.
+void warn_of_gaps(const haptics::IdentifiedSolid& found, const haptics::SolidOptions& options,
+                  Json& warnings) {
+  if (!found.left_out.empty()) {
+    warn(warnings, "left_out",
+         fmt::format("the tip cannot reach {} contacts on this solid; they are left out: {}",
+                     found.left_out.size(), fmt::join(found.left_out, ", ")));
+  }
+  if (found.unanswered > 0) {
+    warn(warnings, "unanswered",
+         fmt::format("the solid has no equilibrium under {} of the forces; they are left out",
+                     found.unanswered));
+  }
+  const bool mesh_known =
+      std::ranges::any_of(found.mesh_errors, [](double error) { return std::isfinite(error); });
+  if (options.mesh_pairs > 0 && !mesh_known) {
+    warn(warnings, "mesh",
+         "the error of the mesh is not known, since no press has an equilibrium on a finer one; "
+         "errors are stated as if the mesh were exact");
+  }
 }
 
 void identify_solid(const Settings& settings, const IdentifyCall& call,
@@ -186,7 +207,7 @@ void identify_solid(const Settings& settings, const IdentifyCall& call,
   const std::string text = probing::read_specimen_text(*call.solid);
   const probing::FiniteElementObject object =
       probing::parse_finite_elements(text, call.solid->string());
-  if (call.card) check_outputs({call.acquisition, *call.solid}, {*call.card});
+  if (call.card) check_outputs({call.acquisition, *call.solid, object.mesh_file}, {*call.card});
   haptics::SolidOptions solid = call.solid_options;
   solid.progress = shown_as("identifying the material");
   const haptics::IdentifiedSolid found =
@@ -194,13 +215,7 @@ void identify_solid(const Settings& settings, const IdentifyCall& call,
   Json mesh_errors = Json::array();
   for (const double error : found.mesh_errors)
     mesh_errors.push_back(std::isfinite(error) ? Json(error) : Json(nullptr));
-  std::string remarks;
-  if (call.solid_options.mesh_pairs > 0) remarks += describe_mesh(found);
-  if (!found.left_out.empty()) {
-    warnings.push_back(fmt::format(
-        "the tip cannot reach {} of {} contacts on this solid; they are left out: {}",
-        found.left_out.size(), acquisition.contacts().size(), fmt::join(found.left_out, ", ")));
-  }
+  warn_of_gaps(found, call.solid_options, warnings);
   Json figures{{"mesh_errors", mesh_errors}, {"left_out", found.left_out}};
   if (call.card) {
     Json card = Json::parse(
@@ -209,7 +224,7 @@ void identify_solid(const Settings& settings, const IdentifyCall& call,
     write_file(*call.card, [&](std::ostream& out) { out << card.dump(2) << "\n"; });
     figures["file"] = call.card->string();
   }
-  report(settings, call, found.report, figures, warnings, remarks);
+  report(settings, call, found.report, figures, warnings, describe_mesh(found));
 }
 
 void identify(const Settings& settings, IdentifyCall call) {

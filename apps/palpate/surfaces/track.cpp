@@ -375,9 +375,9 @@ void add_track(CLI::App& app, const Settings& settings) {
   const std::vector<CLI::Option*> tracking = add_fields(*command, fields_of(call->tracking));
   command->add_option(
       "--acquisition", call->acquisition,
-      "Of range maps of a campaign (palpate probe run --camera): its samples say where the tool, "
-      "which hides the contact, held the surface. Implies --from-reference, and --hold 0.003 "
-      "unless it is given");
+      "Campaign of the range maps (acquisition.db of palpate probe run --camera). Its samples give "
+      "the position of each contact, which the tool hides in the range map. Implies "
+      "--from-reference, and --hold 0.003 unless --hold is given");
   command->add_flag("--pictures", call->pictures,
                     "Also draw each mesh coloured by its distance from the range map (PNG)");
   command->add_flag("--resume", call->resume,

@@ -115,10 +115,11 @@ void visit(TrackingOptions& options, FieldVisitor& visitor) {
                 "Resistance of the surface to deformation: a low value follows small dents and "
                 "noise, a high one bridges holes smoothly"},
                options.stiffness, above(0).finite());
-  visitor.real({"hold",
-                "Strength with which the surface is held at the reference, for an object that does "
-                "not move as a whole: 0.01 keeps a plane from sliding in itself; 0 holds nothing"},
-               options.hold, at_least(0).finite());
+  visitor.real(
+      {"hold",
+       "How strongly the surface is held at the reference, for an object that does not move "
+       "as a whole: 0.001 to 0.01 keep a plane from sliding along itself; 0: not held"},
+      options.hold, at_least(0).finite());
   visitor.real({"reach",
                 "Largest distance of the surface from the reference in the first frame; from frame "
                 "to frame it may move by about a third of it",

@@ -4,15 +4,16 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "identify/held_forces.h"
+#include "identify/mesh_study.h"
 #include "identify/pair_selection.h"
 #include "identify/parameter_estimation.h"
 #include "identify/solid_law.h"
@@ -26,10 +27,13 @@ namespace palpate::haptics {
 namespace {
 
 constexpr double kSameRadius = 0.01;  // of the radius, by which two statements of it may differ
+constexpr double kSamePlace = 0.2;    // [tip radii] across the normal, of a contact on the surface
 constexpr double kNearStart = 0.2;    // of a displacement, at which the search begins
-constexpr int kMostScalings = 12;
-constexpr double kStiffer = 4;            // factor, where the moduli given have no equilibrium
+constexpr int kMostScalings = 20;
+constexpr double kLargestScaling = 4;     // factor of moduli at once
+constexpr double kEdge = 1.05;            // factor above a modulus without equilibria
 constexpr std::size_t kScalingPairs = 8;  // that choose the common factor
+constexpr double kMostUnanswered = 0.1;   // of the pairs may have no equilibrium at the start
 constexpr int kMostRounds = 15;           // in which all pairs are predicted, for the progress
 
 // The contacts that the tip can reach, and the ids of the others.
@@ -38,42 +42,42 @@ struct ReachedContacts {
   std::vector<long long> left_out;
 };
 
+void check_radius(const probing::CheckedAcquisition& acquisition, double radius) {
+  const std::optional<double> stated = acquisition.records().probe_radius;
+  if (!stated || std::abs(*stated - radius) <= kSameRadius * radius) return;
+  throw InvalidInput(fmt::format(
+      "identify_solid(): the solid is touched by a ball with a tip_radius of {:.6g} mm, but the "
+      "measurements were made with one of {:.6g} mm; correct one of them",
+      radius, *stated));
+}
+
 ReachedContacts reached_contacts(const probing::CheckedAcquisition& acquisition,
                                  const probing::FiniteElementObject& object) {
   const double radius = object.options.contact.tip_radius;
-  if (const auto stated = acquisition.records().probe_radius;
-      stated && std::abs(*stated - radius) > kSameRadius * radius) {
-    throw InvalidInput(fmt::format(
-        "identify_solid(): the solid is touched by a ball with a tip_radius of {:.6g} mm, but the "
-        "measurements were made with one of {:.6g} mm; correct one of them",
-        radius, *stated));
-  }
   const probing::ProbedSolid solid(object.body, object.options);
   ReachedContacts result;
   for (const probing::Contact& contact : acquisition.contacts()) {
     const probing::ProbedPlace place = solid.place(contact.position);
-    const double distance = (place.position - contact.position).norm();
-    if (distance > radius) {
+    const Eigen::Vector3d way = place.position - contact.position;
+    const Eigen::Vector3d inward = -contact.normal.normalized();
+    const double across = (way - way.dot(inward) * inward).norm();
+    if (way.norm() > radius || across > kSamePlace * radius) {
       throw InvalidInput(fmt::format(
-          "identify_solid(): contact {} is {:.4g} mm from the surface of the solid; the solid must "
-          "be that of the measurements, in their frame and in mm",
-          contact.id, distance));
+          "identify_solid(): contact {} is {:.4g} mm from the probed surface of the solid ({:.4g} "
+          "mm across the contact's normal). Check that the specimen file describes the measured "
+          "object, in mm and in the frame of the measurements. Faces that a support holds, or that "
+          "a camera at the origin sees at more than 70 degrees, are not probed",
+          contact.id, way.norm(), across));
     }
     bool reached = true;
     try {
-      (void)solid.equilibrium().touch(place.position, -contact.normal.normalized());
+      (void)solid.equilibrium().touch(place.position, inward);
     } catch (const InvalidInput&) {  // the tip touches elsewhere, or cannot come there
       reached = false;
       result.left_out.push_back(contact.id);
     }
     result.reached.push_back(reached);
   }
-  return result;
-}
-
-std::vector<Pair> chosen(const std::vector<Pair>& pairs, const std::vector<std::size_t>& indices) {
-  std::vector<Pair> result;
-  for (const std::size_t i : indices) result.push_back(pairs[i]);
   return result;
 }
 
@@ -87,77 +91,49 @@ std::vector<Pair> scaled(std::vector<Pair> pairs, double factor) {
 double common_factor(const probing::FiniteElementObject& object,
                      std::span<const probing::Contact> contacts, const std::vector<Pair>& pairs,
                      const EquilibriumDone& done) {
-  double factor = 1;
+  double factor = 1, too_soft = 0;  // at most `too_soft` there are no equilibria
   for (int k = 0; k < kMostScalings; ++k) {
-    const std::vector<Eigen::Vector3d> found =
-        solid_displacements(object, contacts, scaled(pairs, 1 / factor), done);
-    if (found.empty()) {
-      factor *= kStiffer;
-      continue;
-    }
+    const auto found = solid_displacements(object, contacts, scaled(pairs, 1 / factor), done);
     std::vector<double> ratios;
     for (std::size_t i = 0; i < pairs.size(); ++i)
-      ratios.push_back(found[i].norm() / pairs[i].displacement.norm());
+      if (found[i]) ratios.push_back(found[i]->norm() / pairs[i].displacement.norm());
+    if (ratios.size() < pairs.size()) {
+      too_soft = std::max(too_soft, factor);
+      factor *= kLargestScaling;
+      continue;
+    }
     const double ratio = geometry::median(ratios);
-    if (std::abs(ratio - 1) < kNearStart) return factor;
-    factor *= std::clamp(ratio, 1 / kStiffer, kStiffer);
+    const double next = std::max(factor * std::clamp(ratio, 1 / kLargestScaling, kLargestScaling),
+                                 kEdge * too_soft);
+    // At the edge of what has equilibria, the pairs with larger displacements decide.
+    if (std::abs(next / factor - 1) < kNearStart) return factor;
+    factor = next;
   }
   throw SolverError(fmt::format(
-      "identify_solid(): no common factor of the moduli given, up to {:.3g}, gives displacements "
-      "as "
-      "large as those measured; are the supports, the size and the units of the solid right?",
+      "identify_solid(): no common factor of the moduli gives the measured displacements (last "
+      "tried: {:.3g}); check the supports, the size and the units of the solid, and the forces",
       factor));
 }
 
-// What a mesh of half the size changes in some of the pairs.
-struct MeshStudy {
-  std::vector<std::size_t> pairs;           // indices
-  std::vector<Eigen::Vector3d> difference;  // [mm] finer minus given
-};
-
-MeshStudy study_mesh(const probing::FiniteElementObject& object,
-                     std::span<const probing::Contact> contacts, const std::vector<Pair>& pairs,
-                     int count, const EquilibriumDone& done) {
-  MeshStudy result;
-  if (count == 0) return result;
-  result.pairs = largest_pairs(pairs, contacts, static_cast<std::size_t>(count));
-  const std::vector<Pair> repeated = chosen(pairs, result.pairs);
-  const std::vector<Eigen::Vector3d> given = solid_displacements(object, contacts, repeated, done);
-  const std::vector<Eigen::Vector3d> finer =
-      solid_displacements({refined(object.body), object.options}, contacts, repeated, done);
-  if (given.empty() || finer.empty()) return {};
-  for (std::size_t k = 0; k < repeated.size(); ++k)
-    result.difference.push_back(finer[k] - given[k]);
-  return result;
-}
-
-// By how much parameters come out too large since displacements are those of the given mesh.
-Eigen::VectorXd mesh_shift(const MeshStudy& study, const LawEstimate& found) {
-  const Eigen::Index count = found.parameters.size();
-  // In units of the scales, which are one; what the pairs do not determine stays as it is.
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(count, count);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-  for (std::size_t k = 0; k < study.pairs.size(); ++k) {
-    const std::size_t i = study.pairs[k];
-    const Eigen::MatrixXd rows = found.weights.whiten[i] * found.predictions[i].by_parameters;
-    matrix += rows.transpose() * rows;
-    right += rows.transpose() * (found.weights.whiten[i] * study.difference[k]);
-  }
-  return matrix.llt().solve(right);
-}
-
-// Of a displacement, the deviation of each component that no common factor explains.
-double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs) {
-  double products = 0, squares = 0, sum = 0;
-  for (std::size_t k = 0; k < study.pairs.size(); ++k) {
-    const Eigen::Vector3d& whole = pairs[study.pairs[k]].displacement;
-    products += study.difference[k].dot(whole) / whole.squaredNorm();
-    squares += study.difference[k].squaredNorm() / whole.squaredNorm();
-    sum += 1;
-  }
-  if (sum == 0) return 0;
-  const double common = products / sum;
-  return std::sqrt(std::max(squares / sum - common * common, 0.0) / 3);
+// The pairs that have an equilibrium.
+std::vector<Pair> answered_pairs(const probing::FiniteElementObject& object,
+                                 std::span<const probing::Contact> contacts,
+                                 const std::vector<Pair>& pairs, const EquilibriumDone& done) {
+  const auto found = solid_displacements(object, contacts, pairs, done);
+  std::vector<bool> answered;
+  for (const auto& displacement : found) answered.push_back(displacement.has_value());
+  std::vector<Pair> result = marked_pairs(pairs, answered);
+  const auto missing = pairs.size() - result.size();
+  if (static_cast<double>(missing) <= kMostUnanswered * static_cast<double>(pairs.size()))
+    return result;
+  const Pair& first =
+      pairs[static_cast<std::size_t>(std::ranges::find(answered, false) - answered.begin())];
+  throw SolverError(fmt::format(
+      "identify_solid(): the solid has no equilibrium under {} of {} forces, with moduli that fit "
+      "the largest ones. The first is ({:.4g}, {:.4g}, {:.4g}) N at contact {}. Check these "
+      "forces, or use a finer mesh",
+      missing, pairs.size(), first.force.x(), first.force.y(), first.force.z(),
+      contacts[first.contact].id));
 }
 
 ParameterEstimate pooled_friction(const std::vector<FrictionFit>& cones) {
@@ -195,29 +171,55 @@ std::vector<probing::KnownPress> normal_presses(const std::vector<Pair>& pairs,
   return result;
 }
 
+bool is_determined(const ParameterEstimate& parameter) {
+  return parameter.status == ParameterStatus::determined;
+}
+
+// The estimate. Parameters that the data do not determine stay at the start, and what is determined
+// is estimated once more beside them; standard errors still allow for a change of them.
+LawEstimate estimate_determined(ParametricLaw law, const std::vector<Pair>& pairs,
+                                std::span<const probing::Contact> contacts,
+                                const IdentifyOptions& options) {
+  LawEstimate all = estimate(law, pairs, contacts, options);
+  const Eigen::VectorXd start = law.starts[0];
+  law.starts[0] = all.parameters;
+  bool fixed = false;
+  for (Eigen::Index k = 0; k < start.size(); ++k) {
+    if (all.report.parameters[static_cast<std::size_t>(k)].status != ParameterStatus::undetermined)
+      continue;
+    law.lower[k] = law.upper[k] = law.starts[0][k] = start[k];
+    fixed = true;
+  }
+  if (!fixed || all.report.verdict == Verdict::not_converged) return all;
+  LawEstimate found = estimate(law, pairs, contacts, options);
+  for (std::size_t k = 0; k < all.report.parameters.size(); ++k) {
+    ParameterEstimate& parameter = all.report.parameters[k];
+    if (parameter.value) parameter.value = found.parameters[static_cast<Eigen::Index>(k)];
+  }
+  found.report.parameters = std::move(all.report.parameters);
+  found.report.correlations = std::move(all.report.correlations);
+  return found;
+}
+
 // Turns parameters of the law into moduli, corrected for the mesh.
 void state_values(const probing::DeformableBody& given, const Eigen::VectorXd& shift,
                   bool mesh_known, IdentifiedSolid& result) {
   const auto regions = std::ssize(given.materials);
   for (Eigen::Index k = 0; k < shift.size(); ++k) {
     ParameterEstimate& parameter = result.report.parameters[static_cast<std::size_t>(k)];
-    double factor = 1;  // unit of the parameter over that of the law's
+    const probing::Hyperelastic& material =
+        given.materials[static_cast<std::size_t>(k < regions ? k : 0)];
+    double factor = 1;  // of a change of the value over that of the law's parameter
     if (parameter.value) {
       const double corrected = *parameter.value - shift[k];
-      const probing::Hyperelastic& material =
-          given.materials[static_cast<std::size_t>(k < regions ? k : 0)];
-      if (k < regions) {
-        parameter.value = factor = material.shear_modulus * std::exp(corrected);
-      } else if (k == regions) {
-        parameter.value = factor =
-            material.bulk_modulus / material.shear_modulus * std::exp(corrected);
-      } else {
-        parameter.value = corrected;
-      }
+      const double unit =
+          k < regions ? material.shear_modulus : material.bulk_modulus / material.shear_modulus;
+      factor = k <= regions ? unit * std::exp(corrected) : 1;
+      parameter.value = k <= regions ? factor : corrected;
     }
     if (parameter.standard_error)
       parameter.standard_error = factor * std::hypot(*parameter.standard_error, shift[k]);
-    result.mesh_errors.push_back(mesh_known && parameter.standard_error
+    result.mesh_errors.push_back(mesh_known && is_determined(parameter)
                                      ? factor * shift[k]
                                      : std::numeric_limits<double>::quiet_NaN());
   }
@@ -239,54 +241,69 @@ void visit(SolidOptions& options, FieldVisitor& visitor) {
 }
 
 IdentifiedSolid identify_solid(const probing::CheckedAcquisition& acquisition,
-                               const probing::FiniteElementObject& object,
-                               const SolidOptions& solid, const IdentifyOptions& options) {
+                               const probing::FiniteElementObject& given, const SolidOptions& solid,
+                               const IdentifyOptions& options) {
   check_identify_options(options);
   SolidOptions checked = solid;
   require_in_range(fields_of(checked));
-  const ReachedContacts reached = reached_contacts(acquisition, object);
+  check_radius(acquisition, given.options.contact.tip_radius);
   const std::vector<FrictionFit> cones = friction_cones(acquisition, options);
+  const ParameterEstimate friction = pooled_friction(cones);
+  probing::FiniteElementObject object = given;
+  if (friction.value) object.options.friction = *friction.value;
+  const std::vector<probing::Contact>& contacts = acquisition.contacts();
+  std::mutex mutex;
+  std::optional<WorkSteps> steps;
+  const EquilibriumDone done = [&] {
+    const std::scoped_lock lock(mutex);
+    steps->tell();
+  };
+  ParametricLaw law = solid_law(object, contacts, done);
+
+  IdentifiedSolid result;
+  const ReachedContacts reached = reached_contacts(acquisition, object);
+  result.left_out = reached.left_out;
   std::vector<Pair> pairs = realigned_pairs(acquisition);
   expect_held(cones, pairs);
-  pairs = spread_pairs(pairs, reached.reached, static_cast<std::size_t>(solid.max_pairs));
+  pairs = spread_pairs(pairs, contacts, reached.reached, static_cast<std::size_t>(solid.max_pairs));
   if (pairs.empty()) {
     throw InvalidInput(
         "identify_solid(): no sample presses at a contact that the tip can reach on this solid");
   }
-  const std::vector<probing::Contact>& contacts = acquisition.contacts();
-  std::mutex mutex;
-  WorkSteps steps(solid.progress, kMostRounds * static_cast<int>(pairs.size()));
-  const EquilibriumDone done = [&] {
-    const std::scoped_lock lock(mutex);
-    steps.tell();
-  };
+  steps.emplace(solid.progress, kMostRounds * static_cast<int>(pairs.size()));
   const std::vector<std::size_t> large = largest_pairs(pairs, contacts, kScalingPairs);
-  const double factor = common_factor(object, contacts, chosen(pairs, large), done);
-
-  ParametricLaw law = solid_law(object, contacts, done);
-  law.starts[0].head(std::ssize(object.body.materials)).setConstant(std::log(factor));
-  const probing::FiniteElementObject start{with_parameters(object.body, law.starts[0]),
-                                           object.options};
-  const MeshStudy study = study_mesh(start, contacts, pairs, solid.mesh_pairs, done);
-  const double scatter = mesh_scatter(study, pairs);
-  for (Pair& pair : pairs) pair.law_error = scatter * pair.displacement.norm();
-
-  LawEstimate found = estimate(law, pairs, contacts, options);
-  steps.end();
-  const Eigen::VectorXd shift = mesh_shift(study, found);
-  IdentifiedSolid result;
-  result.report = std::move(found.report);
-  result.left_out = reached.left_out;
   result.presses = normal_presses(pairs, large, contacts);
+  const double factor = common_factor(object, contacts, chosen_pairs(pairs, large), done);
+  law.starts[0].head(std::ssize(object.body.materials)).setConstant(std::log(factor));
+  const auto at = [&](const Eigen::VectorXd& parameters) {
+    return probing::FiniteElementObject{with_parameters(object.body, parameters), object.options};
+  };
+  const std::size_t wanted = pairs.size();
+  pairs = answered_pairs(at(law.starts[0]), contacts, pairs, done);
+  result.unanswered = static_cast<int>(wanted - pairs.size());
+
+  const auto mesh_pairs = static_cast<std::size_t>(solid.mesh_pairs);
+  const double scatter =
+      mesh_scatter(study_mesh(at(law.starts[0]), contacts, pairs, mesh_pairs, done), pairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    // A drag counts from where its press was held.
+    const Eigen::Vector3d& held = pairs[pairs[i].settled].displacement;
+    const bool drag = pairs[i].settled != i;
+    pairs[i].law_error = scatter * (pairs[i].displacement - (drag ? 1 : 0) * held).norm();
+  }
+  LawEstimate found = estimate_determined(law, pairs, contacts, options);
+  result.report = std::move(found.report);
+
+  // Moduli may differ by now from those of the first study.
+  const MeshStudy study = study_mesh(at(found.parameters), contacts, pairs, mesh_pairs, done);
+  std::vector<bool> free;
+  for (Eigen::Index k = 0; k < law.scale.size(); ++k)
+    free.push_back(is_determined(result.report.parameters[static_cast<std::size_t>(k)]));
+  const Eigen::VectorXd shift = mesh_shift(study, law, pairs, found, free);
+  steps->end();
   state_values(object.body, shift, !study.pairs.empty(), result);
-  Eigen::VectorXd parameters = law.starts[0];
-  for (Eigen::Index k = 0; k < shift.size(); ++k)
-    if (result.report.parameters[static_cast<std::size_t>(k)].value)
-      parameters[k] = found.parameters[k] - shift[k];
-  result.object = {with_parameters(object.body, parameters), object.options};
-  result.report.parameters.push_back(pooled_friction(cones));
-  if (const auto friction = result.report.parameters.back().value)
-    result.object.options.friction = *friction;
+  result.object = at(found.parameters - shift);
+  result.report.parameters.push_back(friction);
   return result;
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <optional>
 
 namespace palpate::haptics {
@@ -24,20 +23,14 @@ std::vector<std::size_t> farthest_first(const std::vector<Eigen::Vector3d>& poin
   return order;
 }
 
-bool tells(const Pair& pair) { return pair.force.norm() > 0 && pair.displacement.norm() > 0; }
-
-std::map<std::size_t, std::vector<std::size_t>> by_contact(const std::vector<Pair>& pairs) {
-  std::map<std::size_t, std::vector<std::size_t>> result;
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (tells(pairs[i])) result[pairs[i].contact].push_back(i);
-  return result;
-}
-
+// The largest normal force among pairs, or the largest force that was dragged from `press`.
 std::optional<std::size_t> largest(const std::vector<Pair>& pairs,
-                                   const std::vector<std::size_t>& among, bool settled) {
+                                   const std::vector<std::size_t>& among,
+                                   std::optional<std::size_t> press) {
   std::optional<std::size_t> result;
   for (const std::size_t i : among) {
-    if ((pairs[i].settled == i) != settled) continue;
+    const bool settled = pairs[i].settled == i;
+    if (press ? settled || pairs[i].settled != *press : !settled) continue;
     if (!result || pairs[i].force.norm() > pairs[*result].force.norm()) result = i;
   }
   return result;
@@ -45,29 +38,28 @@ std::optional<std::size_t> largest(const std::vector<Pair>& pairs,
 
 }  // namespace
 
-std::vector<Pair> spread_pairs(const std::vector<Pair>& pairs, const std::vector<bool>& allowed,
-                               std::size_t most) {
-  auto contacts = by_contact(pairs);
-  std::erase_if(contacts, [&](const auto& each) { return !allowed[each.first]; });
-  std::vector<bool> chosen(pairs.size(), false);
-  for (const auto& [contact, own] : contacts) {
-    std::vector<Eigen::Vector3d> forces;
-    for (const std::size_t i : own) forces.push_back(pairs[i].force);
-    const auto first = std::ranges::max_element(
-        forces, {}, [](const Eigen::Vector3d& force) { return force.squaredNorm(); });
-    const std::size_t count = std::max<std::size_t>(most / contacts.size(), 1);
-    for (const std::size_t k :
-         farthest_first(forces, static_cast<std::size_t>(first - forces.begin()), count)) {
-      const std::size_t settled = pairs[own[k]].settled;
-      if (!tells(pairs[settled])) continue;
-      chosen[own[k]] = true;
-      chosen[settled] = true;
-    }
+std::vector<ContactPairs> by_contact(std::span<const Pair> pairs) {
+  std::vector<ContactPairs> result;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (result.empty() || result.back().contact != pairs[i].contact)
+      result.push_back({pairs[i].contact, {}});
+    result.back().pairs.push_back(i);
   }
+  return result;
+}
+
+std::vector<Pair> chosen_pairs(const std::vector<Pair>& pairs,
+                               const std::vector<std::size_t>& indices) {
+  std::vector<Pair> result;
+  for (const std::size_t i : indices) result.push_back(pairs[i]);
+  return result;
+}
+
+std::vector<Pair> marked_pairs(const std::vector<Pair>& pairs, const std::vector<bool>& marked) {
   std::vector<std::size_t> place(pairs.size());
   std::vector<Pair> result;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (!chosen[i]) continue;
+    if (!marked[i] || !marked[pairs[i].settled]) continue;
     place[i] = result.size();
     result.push_back(pairs[i]);
     result.back().settled = place[pairs[i].settled];  // which stands before it
@@ -75,23 +67,48 @@ std::vector<Pair> spread_pairs(const std::vector<Pair>& pairs, const std::vector
   return result;
 }
 
+std::vector<Pair> spread_pairs(const std::vector<Pair>& pairs,
+                               std::span<const probing::Contact> contacts,
+                               const std::vector<bool>& allowed, std::size_t most) {
+  const auto presses = [&](const Pair& pair) {
+    return pair.force.dot(contacts[pair.contact].normal) < 0 && pair.displacement.norm() > 0;
+  };
+  std::vector<ContactPairs> groups = by_contact(pairs);
+  std::erase_if(groups, [&](const ContactPairs& group) { return !allowed[group.contact]; });
+  std::vector<bool> marked(pairs.size(), false);
+  for (ContactPairs& group : groups) {
+    std::erase_if(group.pairs, [&](std::size_t i) {
+      return !presses(pairs[i]) || !presses(pairs[pairs[i].settled]);
+    });
+    if (group.pairs.empty()) continue;
+    std::vector<Eigen::Vector3d> forces;
+    for (const std::size_t i : group.pairs) forces.push_back(pairs[i].force);
+    const auto first = std::ranges::max_element(
+        forces, {}, [](const Eigen::Vector3d& force) { return force.squaredNorm(); });
+    const std::size_t count = std::max<std::size_t>(most / groups.size(), 1);
+    for (const std::size_t k :
+         farthest_first(forces, static_cast<std::size_t>(first - forces.begin()), count)) {
+      marked[group.pairs[k]] = true;
+      marked[pairs[group.pairs[k]].settled] = true;
+    }
+  }
+  return marked_pairs(pairs, marked);
+}
+
 std::vector<std::size_t> largest_pairs(const std::vector<Pair>& pairs,
                                        std::span<const probing::Contact> contacts,
                                        std::size_t most) {
-  const auto groups = by_contact(pairs);
+  const std::vector<ContactPairs> groups = by_contact(pairs);
   std::vector<Eigen::Vector3d> places;
-  std::vector<std::vector<std::size_t>> members;
-  for (const auto& [contact, own] : groups) {
-    places.push_back(contacts[contact].position);
-    members.push_back(own);
-  }
+  for (const ContactPairs& group : groups) places.push_back(contacts[group.contact].position);
   std::vector<std::size_t> result;
   if (places.empty()) return result;
   for (const std::size_t c : farthest_first(places, 0, (most + 1) / 2)) {
-    for (const bool settled : {true, false}) {
-      const auto found = largest(pairs, members[c], settled);
-      if (found && result.size() < most) result.push_back(*found);
-    }
+    const auto press = largest(pairs, groups[c].pairs, std::nullopt);
+    if (!press || result.size() == most) continue;
+    result.push_back(*press);
+    const auto drag = largest(pairs, groups[c].pairs, press);
+    if (drag && result.size() < most) result.push_back(*drag);
   }
   return result;
 }

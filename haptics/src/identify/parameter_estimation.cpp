@@ -234,12 +234,9 @@ void describe(const ParametricLaw& law, const Eigen::VectorXd& at, const NormalE
   }
 }
 
-/// Where the law is known to be wrong by errors that the pairs of a contact share, a standard error
-/// is at least what the scatter of the contacts shows.
+/// Makes each standard error at least what the scatter of the contacts shows.
 void widen_by_contacts(const Problem& problem, const Weights& weights, const SearchResult& found,
                        Identification& report) {
-  if (std::ranges::all_of(problem.pairs, [](const Pair& pair) { return pair.law_error == 0; }))
-    return;
   const Covariance covariance = covariance_of(
       problem.law, found.parameters, normal_equations(problem, weights, found.predictions));
   const Eigen::MatrixXd shown =
@@ -354,7 +351,7 @@ LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,
       *parameter.standard_error *= std::sqrt(*report.chi2);
     }
   }
-  widen_by_contacts(robust, weights, found, report);
+  if (law.inexact) widen_by_contacts(robust, weights, found, report);
   report.parameters.pop_back();
   const Eigen::Index wanted_count = wanted.scale.size();
   report.correlations.conservativeResize(wanted_count, wanted_count);

@@ -33,6 +33,9 @@ struct ParametricLaw {
   Eigen::VectorXd scale;         ///< size at which a change of the parameter is large; > 0
   Eigen::VectorXd lower, upper;  ///< bounds; may be infinite
   std::vector<Eigen::VectorXd> starts;
+  /// Pairs of a contact share errors of the law, so that standard errors are at least those that
+  /// the scatter of the contacts shows.
+  bool inexact = false;
   /// A search rests once a step changes the residuals by less than this fraction of their size,
   /// which is equally small in the parameters compared to their uncertainty.
   double resting_change = 1e-4;

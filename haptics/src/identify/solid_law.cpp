@@ -8,8 +8,10 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "identify/pair_selection.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/probing/probed_solid.h"
@@ -24,12 +26,10 @@ using probing::ContactStop;
 using probing::ProbedSolid;
 
 constexpr double kDifference = 1e-3;  // of a parameter, by which its derivative is taken
-// Bulk moduli that `Hyperelastic` allows, over the shear modulus.
-constexpr double kLeastBulk = 0.5, kMostBulk = 1e4;
 // Equilibria and their derivatives are known to about a thousandth: a search never rests more
 // exactly.
 constexpr double kRestingChange = 5e-3, kRestingError = 0.1;
-constexpr double kMostSoftening = 1e4;  // factor of shear moduli over those given
+constexpr double kMostFactor = 1e4;  // of shear moduli and moves over those given
 
 double bulk_ratio(const probing::Hyperelastic& material) {
   return material.bulk_modulus / material.shear_modulus;
@@ -40,52 +40,43 @@ ContactState touched(const ProbedSolid& solid, const probing::Contact& contact) 
                                    -contact.normal.normalized());
 }
 
-// Pairs [begin, end) of one contact, the smaller forces first.
-struct OneContact {
-  std::size_t contact = 0;
-  std::vector<std::size_t> pairs;
-};
-
-std::vector<OneContact> by_contacts(std::span<const Pair> pairs) {
-  std::vector<OneContact> result;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (result.empty() || result.back().contact != pairs[i].contact)
-      result.push_back({pairs[i].contact, {}});
-    result.back().pairs.push_back(i);
-  }
-  for (OneContact& one : result)
-    std::ranges::stable_sort(one.pairs, {},
-                             [&](std::size_t i) { return pairs[i].force.squaredNorm(); });
-  return result;
-}
-
 // The solids that differ by a step of one parameter.
 struct ChangedSolids {
   std::unique_ptr<ProbedSolid> less, more;
 };
 
-// Calls `found(pair, series, result)` for each equilibrium. Returns whether all have one.
+// Calls `found(pair, series, state, changes)` for each pair that has an equilibrium.
 template <typename Found>
-bool each_equilibrium(const ProbedSolid& solid, std::span<const probing::Contact> contacts,
-                      std::span<const Pair> pairs, const EquilibriumDone& done,
-                      const Found& found) {
-  const std::vector<OneContact> groups = by_contacts(pairs);
-  std::atomic<bool> refused = false;
+void each_equilibrium(const ProbedSolid& solid, const std::vector<ChangedSolids>& changed,
+                      std::span<const probing::Contact> contacts, std::span<const Pair> pairs,
+                      const EquilibriumDone& done, const Found& found) {
+  const std::vector<ContactPairs> groups = by_contact(pairs);
   parallel_for(groups.size(), [&](std::size_t g) {
+    const probing::Contact& contact = contacts[groups[g].contact];
+    std::optional<ContactSeries> series;
+    std::vector<probing::SolidChange> changes;
     try {
-      ContactSeries series(solid.equilibrium(), touched(solid, contacts[groups[g].contact]));
-      for (const std::size_t i : groups[g].pairs) {
-        if (refused) return;
-        const ContactResult result = series.apply_force(pairs[i].force);
-        refused = refused || result.stop != ContactStop::converged;
-        if (!refused) found(i, series, result);
-        done();
+      series.emplace(solid.equilibrium(), touched(solid, contact));
+      for (const ChangedSolids& each : changed)
+        changes.push_back({&each.less->equilibrium(), &each.more->equilibrium(),
+                           touched(*each.less, contact), touched(*each.more, contact),
+                           2 * kDifference});
+    } catch (const InvalidInput&) {  // the tip cannot reach the contact on such a solid
+      return;
+    }
+    // The smaller forces first: each equilibrium is sought from those before.
+    std::vector<std::size_t> order = groups[g].pairs;
+    std::ranges::stable_sort(order, {},
+                             [&](std::size_t i) { return pairs[i].force.squaredNorm(); });
+    for (const std::size_t i : order) {
+      try {
+        const ContactResult result = series->apply_force(pairs[i].force);
+        if (result.stop == ContactStop::converged) found(i, *series, result.state, changes);
+      } catch (const SolverError&) {  // there is none, or it is not stable
       }
-    } catch (const SolverError&) {
-      refused = true;
+      done();
     }
   });
-  return !refused;
 }
 
 Predictions predict_solid(const probing::FiniteElementObject& object,
@@ -94,27 +85,24 @@ Predictions predict_solid(const probing::FiniteElementObject& object,
                           const EquilibriumDone& done) {
   const auto changed_by = [&](Eigen::Index k, double change) {
     Eigen::VectorXd changed = parameters;
-    if (k >= 0) changed[k] += change;
+    changed[k] += change;
     return std::make_unique<ProbedSolid>(with_parameters(object.body, changed), object.options);
   };
-  const std::unique_ptr<ProbedSolid> solid = changed_by(-1, 0);
+  const ProbedSolid solid(with_parameters(object.body, parameters), object.options);
   std::vector<ChangedSolids> changed;
   for (Eigen::Index k = 0; k < parameters.size(); ++k)
     changed.push_back({changed_by(k, -kDifference), changed_by(k, kDifference)});
   Predictions result(pairs.size());
-  const bool all = each_equilibrium(
-      *solid, contacts, pairs, done,
-      [&](std::size_t i, ContactSeries& series, const ContactResult& found) {
-        std::vector<probing::SolidChange> changes;
-        for (const ChangedSolids& each : changed)
-          changes.push_back({&each.less->equilibrium(), &each.more->equilibrium(),
-                             touched(*each.less, contacts[pairs[i].contact]),
-                             touched(*each.more, contacts[pairs[i].contact]), 2 * kDifference});
-        const probing::TipSensitivity sensitivity = series.sensitivity(found.state, changes);
-        result[i] = {found.state.tip - series.from().tip, sensitivity.compliance,
-                     sensitivity.by_changes};
+  std::atomic<std::size_t> answered = 0;
+  each_equilibrium(
+      solid, changed, contacts, pairs, done,
+      [&](std::size_t i, ContactSeries& series, const ContactState& state,
+          const std::vector<probing::SolidChange>& changes) {
+        const probing::TipSensitivity sensitivity = series.sensitivity(state, changes);
+        result[i] = {state.tip - series.from().tip, sensitivity.compliance, sensitivity.by_changes};
+        ++answered;
       });
-  if (!all) result.clear();
+  if (answered < pairs.size()) result.clear();
   return result;
 }
 
@@ -131,8 +119,8 @@ probing::DeformableBody with_parameters(probing::DeformableBody body,
   const auto regions = std::ssize(body.materials);
   for (std::size_t r = 0; r < body.materials.size(); ++r) {
     probing::Hyperelastic& material = body.materials[r];
-    const double ratio =
-        std::clamp(bulk_ratio(material) * std::exp(parameters[regions]), kLeastBulk, kMostBulk);
+    const double ratio = std::clamp(bulk_ratio(material) * std::exp(parameters[regions]),
+                                    probing::kLeastBulkRatio, probing::kMostBulkRatio);
     material.shear_modulus *= std::exp(parameters[static_cast<Eigen::Index>(r)]);
     material.bulk_modulus = ratio * material.shear_modulus;
   }
@@ -147,7 +135,7 @@ ParametricLaw solid_law(const probing::FiniteElementObject& object,
   if (count >= kMaxParameters) {
     throw InvalidInput(fmt::format(
         "identify_solid(): the solid has {} regions; moduli of at most {} regions can be estimated",
-        materials.size(), kMaxParameters - 3));
+        materials.size(), kMaxParameters - 1 - (count - std::ssize(materials))));
   }
   ParametricLaw law;
   for (std::size_t r = 0; r < materials.size(); ++r) {
@@ -158,20 +146,22 @@ ParametricLaw solid_law(const probing::FiniteElementObject& object,
   law.names.emplace_back("bulk over shear modulus");
   law.units.emplace_back();
   law.scale.setOnes(count);
-  law.lower.setConstant(count, -std::log(kMostSoftening));
-  law.upper.setConstant(count, std::log(kMostSoftening));
+  law.lower.setConstant(count, -std::log(kMostFactor));
+  law.upper.setConstant(count, std::log(kMostFactor));
   const auto regions = std::ssize(materials);
+  // Derivatives are taken within the range that a material may have.
   const auto [least, most] = std::ranges::minmax(materials, {}, bulk_ratio);
-  law.lower[regions] = std::log(kLeastBulk / bulk_ratio(least)) + kDifference;
-  law.upper[regions] = std::log(kMostBulk / bulk_ratio(most)) - kDifference;
+  law.lower[regions] = std::log(probing::kLeastBulkRatio / bulk_ratio(least)) + kDifference;
+  law.upper[regions] = std::log(probing::kMostBulkRatio / bulk_ratio(most)) - kDifference;
   law.starts = {Eigen::VectorXd::Zero(count)};
+  law.inexact = true;
   law.resting_change = kRestingChange;
   law.resting_error = kRestingError;
   if (has_moves(object.body)) {
     law.names.emplace_back("pre-stretch");
     law.units.emplace_back();
-    law.lower[regions + 1] = -1;
-    law.upper[regions + 1] = kMostSoftening;
+    law.lower[regions + 1] = -kMostFactor;
+    law.upper[regions + 1] = kMostFactor;
     law.starts[0][regions + 1] = 1;
   }
   law.predict = [&object, contacts, done = std::move(done)](const Eigen::VectorXd& parameters,
@@ -181,23 +171,22 @@ ParametricLaw solid_law(const probing::FiniteElementObject& object,
       return predict_solid(object, contacts, parameters, pairs, done);
     } catch (const SolverError&) {  // no equilibrium after supports have moved
       return Predictions{};
+    } catch (const InvalidInput&) {  // supports have moved the surface out of sight
+      return Predictions{};
     }
   };
   return law;
 }
 
-std::vector<Eigen::Vector3d> solid_displacements(const probing::FiniteElementObject& object,
-                                                 std::span<const probing::Contact> contacts,
-                                                 std::span<const Pair> pairs,
-                                                 const EquilibriumDone& done) {
-  std::vector<Eigen::Vector3d> result(pairs.size());
+std::vector<std::optional<Eigen::Vector3d>> solid_displacements(
+    const probing::FiniteElementObject& object, std::span<const probing::Contact> contacts,
+    std::span<const Pair> pairs, const EquilibriumDone& done) {
+  std::vector<std::optional<Eigen::Vector3d>> result(pairs.size());
   const ProbedSolid solid(object.body, object.options);
-  const bool all =
-      each_equilibrium(solid, contacts, pairs, done,
-                       [&](std::size_t i, ContactSeries& series, const ContactResult& found) {
-                         result[i] = found.state.tip - series.from().tip;
-                       });
-  if (!all) result.clear();
+  each_equilibrium(
+      solid, {}, contacts, pairs, done,
+      [&](std::size_t i, const ContactSeries& series, const ContactState& state,
+          const std::vector<probing::SolidChange>&) { result[i] = state.tip - series.from().tip; });
   return result;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,8 +29,9 @@ using EquilibriumDone = std::function<void()>;
                                       std::span<const probing::Contact> contacts,
                                       EquilibriumDone done);
 
-/// [mm] Displacements under the forces of pairs; empty if one has no equilibrium.
-[[nodiscard]] std::vector<Eigen::Vector3d> solid_displacements(
+/// [mm] Displacements under the forces of pairs, where there is an equilibrium.
+/// \throws InvalidInput, SolverError as `ProbedSolid` does.
+[[nodiscard]] std::vector<std::optional<Eigen::Vector3d>> solid_displacements(
     const probing::FiniteElementObject& object, std::span<const probing::Contact> contacts,
     std::span<const Pair> pairs, const EquilibriumDone& done);
 

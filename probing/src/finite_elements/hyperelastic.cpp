@@ -13,9 +13,6 @@ namespace {
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-constexpr double kLargestBulkRatio = 1e4;  // of bulk to shear modulus: beyond it systems are
-                                           // too badly conditioned for the stated residuals
-
 Vector9 as_vector(const Eigen::Matrix3d& m) { return Eigen::Map<const Vector9>(m.data()); }
 
 }  // namespace
@@ -24,7 +21,8 @@ void check_hyperelastic(const Hyperelastic& material) {
   require("Hyperelastic::shear_modulus", material.shear_modulus, above(0).finite(), "N/mm^2");
   require("Hyperelastic::mooney_share", material.mooney_share, at_least(0).at_most(1));
   require("Hyperelastic::bulk_modulus", material.bulk_modulus,
-          at_least(material.shear_modulus / 2).at_most(kLargestBulkRatio * material.shear_modulus),
+          at_least(kLeastBulkRatio * material.shear_modulus)
+              .at_most(kMostBulkRatio * material.shear_modulus),
           "N/mm^2");
 }
 

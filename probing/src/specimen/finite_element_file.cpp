@@ -291,6 +291,7 @@ FiniteElementObject finite_elements_of(const json& object, const std::string& so
       body.mesh = read_ball(members);
     } else if (shape == "mesh") {
       body.mesh = read_mesh_file(members);
+      result.mesh_file = members.text("file");
     } else {
       members.wrong("shape", "block, ball or mesh");
     }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/probing/probed_solid.h"
 
 namespace palpate::probing {
 namespace {
@@ -51,6 +52,10 @@ std::vector<int> supported_corners(const DeformableBody& body, const Corners& co
   return result;
 }
 
+bool is_empty(const FiniteElementMesh& mesh, std::size_t region) {
+  return std::ranges::find(mesh.regions, static_cast<int>(region)) == mesh.regions.end();
+}
+
 struct PrescribedNodes {
   std::vector<int> nodes;
   Eigen::Matrix3Xd moves;  // [mm]
@@ -71,9 +76,9 @@ void print_moves(std::ostream& out, const PrescribedNodes& prescribed) {
 // The nodes that the tip touches after a press, and how far they have moved since there was no
 // stress.
 PrescribedNodes touched_nodes(const FiniteElementObject& object, const KnownPress& press) {
-  EquilibriumOptions options = object.options.contact;
-  const ContactEquilibrium solid(object.body, options);
-  const ContactState from = solid.touch(press.position, press.inward);
+  const ProbedSolid probed(object.body, object.options);
+  const ContactEquilibrium& solid = probed.equilibrium();
+  const ContactState from = solid.touch(probed.place(press.position).position, press.inward);
   const ContactResult found = solid.move_tip(from, from.tip + press.displacement);
   if (found.stop != ContactStop::converged)
     throw SolverError(fmt::format("the press of contact {} has no equilibrium: {}", press.contact,
@@ -92,7 +97,7 @@ PrescribedNodes touched_nodes(const FiniteElementObject& object, const KnownPres
 }  // namespace
 
 void write_calculix(std::ostream& out, const FiniteElementObject& object,
-                    const std::vector<KnownPress>& presses) {
+                    const std::optional<KnownPress>& press) {
   refuse_obstacles(object);
   const DeformableBody& body = object.body;
   fmt::print(out, "** mm, N, N/mm^2\n*NODE, NSET=ALL\n");
@@ -103,6 +108,7 @@ void write_calculix(std::ostream& out, const FiniteElementObject& object,
   // CalculiX numbers the nodes of C3D10 as we do. Its volumetric energy is K/2 (J - 1)^2, ours
   // K/4 (J^2 - 1 - 2 ln J): the same to second order in J - 1.
   for (std::size_t region = 0; region < body.materials.size(); ++region) {
+    if (is_empty(body.mesh, region)) continue;
     fmt::print(out, "*ELEMENT, TYPE=C3D10, ELSET=REGION{}\n", region);
     for (Eigen::Index e = 0; e < body.mesh.elements.cols(); ++e) {
       if (body.mesh.regions[static_cast<std::size_t>(e)] != static_cast<int>(region)) continue;
@@ -122,21 +128,20 @@ void write_calculix(std::ostream& out, const FiniteElementObject& object,
   if (held.moves.size() == 0) held.moves.setZero(3, std::ssize(held.nodes));
   print_set(out, "HELD", held.nodes);
   PrescribedNodes touched;
-  if (!presses.empty()) {
-    touched = touched_nodes(object, presses.front());
+  if (press) {
+    touched = touched_nodes(object, *press);
     print_set(out, "TOUCHED", touched.nodes);
   }
   constexpr const char* kStep = "*STEP, NLGEOM, INC=1000\n*STATIC\n0.1, 1., 1e-4, 0.2\n*BOUNDARY\n";
   fmt::print(out, "** Supports\n{}", kStep);
   print_moves(out, held);
   fmt::print(out, "*NODE PRINT, NSET=ALL, FREQUENCY=1000\nU\n*END STEP\n");
-  if (presses.empty()) return;
-  const KnownPress& press = presses.front();
+  if (!press) return;
   fmt::print(
       out,
       "** Press of contact {}: the measured force is {:.6g}, {:.6g}, {:.6g} N, to be compared "
       "with the sum of RF\n{}",
-      press.contact, press.force.x(), press.force.y(), press.force.z(), kStep);
+      press->contact, press->force.x(), press->force.y(), press->force.z(), kStep);
   print_moves(out, held);
   print_moves(out, touched);
   fmt::print(out,
@@ -170,7 +175,7 @@ void write_sofa(std::ostream& out, const FiniteElementObject& object,
   const std::vector<int> held = supported_corners(body, corners);
   fmt::print(out,
              R"(<?xml version="1.0"?>
-<!-- mm, N, s, tonnes -->
+<!-- mm, N, s, tonnes; SOFA 24.06 or later -->
 <Node name="root" dt="0.01" gravity="0 0 0">
   <RequiredPlugin pluginName="Sofa.Component.Constraint.Projective Sofa.Component.IO.Mesh Sofa.Component.LinearSolver.Direct Sofa.Component.Mass Sofa.Component.ODESolver.Backward Sofa.Component.SolidMechanics.FEM.HyperElastic Sofa.Component.StateContainer Sofa.Component.Topology.Container.Dynamic Sofa.Component.Visual"/>
   <DefaultAnimationLoop/>
@@ -184,7 +189,9 @@ void write_sofa(std::ostream& out, const FiniteElementObject& object,
     <MeshMatrixMass massDensity="{:g}" topology="@whole"/>
 )",
              mesh_file, kDensity);
+  // The law of Mooney and Rivlin is ours to second order in J - 1. SOFA's NeoHookean is not.
   for (std::size_t region = 0; region < body.materials.size(); ++region) {
+    if (is_empty(body.mesh, region)) continue;
     fmt::print(out,
                "    <Node name=\"region{}\">\n      <TetrahedronSetTopologyContainer "
                "name=\"elements\" position=\"@../nodes.rest_position\" tetrahedra=\"",
@@ -196,15 +203,12 @@ void write_sofa(std::ostream& out, const FiniteElementObject& object,
     }
     const Hyperelastic& material = body.materials[region];
     const double half = material.shear_modulus / 2;
-    const bool mooney = material.mooney_share > 0;
     fmt::print(out,
                "\"/>\n      <TetrahedronHyperelasticityFEMForceField topology=\"@elements\" "
-               "materialName=\"{}\" ParameterSet=\"{}\"/>\n    </Node>\n",
-               mooney ? "MooneyRivlin" : "NeoHookean",
-               mooney
-                   ? fmt::format("{:.9g} {:.9g} {:.9g}", half * (1 - material.mooney_share),
-                                 half * material.mooney_share, material.bulk_modulus)
-                   : fmt::format("{:.9g} {:.9g}", material.shear_modulus, material.bulk_modulus));
+               "materialName=\"MooneyRivlin\" ParameterSet=\"{:.9g} {:.9g} {:.9g}\"/>\n    "
+               "</Node>\n",
+               half * (1 - material.mooney_share), half * material.mooney_share,
+               material.bulk_modulus);
   }
   if (body.support_moves.size() == 0) {
     fmt::print(out, "    <FixedProjectiveConstraint indices=\"{}\"/>\n", fmt::join(held, " "));
@@ -239,7 +243,7 @@ void write_mujoco(std::ostream& out, const FiniteElementObject& object,
   const Hyperelastic& material = body.materials.front();
   fmt::print(out,
              R"(<mujoco model="palpate">
-  <!-- m, kg, s -->
+  <!-- m, kg, s. Stiff solids and fine meshes need a smaller timestep. -->
   <option gravity="0 0 0" timestep="0.001" solver="CG" tolerance="1e-6"/>
   <size memory="1G"/>
   <worldbody>

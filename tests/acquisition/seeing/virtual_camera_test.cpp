@@ -67,7 +67,7 @@ TEST(VirtualCamera, RefusesWhatItCannotSee) {
   EXPECT_THAT(refusal([&] { return make_virtual_camera(sheet, testing::bundled_setup()); }),
               HasSubstr("elastic_body and finite_elements"));
   const auto camera = make_virtual_camera(testing::soft_body(), testing::bundled_setup());
-  EXPECT_THAT(refusal([&] { return camera->look({.trial = 0}); }), HasSubstr("does not tell"));
+  EXPECT_THAT(refusal([&] { return camera->look({.trial = 0}); }), HasSubstr("does not report"));
 }
 
 }  // namespace

@@ -32,8 +32,11 @@ std::vector<Pair> many_pairs() {
   return pairs;
 }
 
+const std::vector<probing::Contact> kThreeContacts{
+    {0, {0, 0, 0}, {0, 0, -1}}, {1, {1, 0, 0}, {0, 0, -1}}, {2, {50, 0, 0}, {0, 0, -1}}};
+
 TEST(PairSelection, SpreadsOverContactsAndForcesAndKeepsTheNormalForces) {
-  const std::vector<Pair> few = spread_pairs(many_pairs(), {true, false, true}, 8);
+  const std::vector<Pair> few = spread_pairs(many_pairs(), kThreeContacts, {true, false, true}, 8);
   int contacts[3] = {};
   bool small = false, left = false, right = false;
   for (std::size_t i = 0; i < few.size(); ++i) {
@@ -51,21 +54,37 @@ TEST(PairSelection, SpreadsOverContactsAndForcesAndKeepsTheNormalForces) {
   EXPECT_LE(contacts[0], 6);
   EXPECT_EQ(contacts[0], contacts[2]);
   EXPECT_TRUE(small && left && right);
-  EXPECT_EQ(spread_pairs(many_pairs(), {true, true, true}, 1000).size(), many_pairs().size());
+  EXPECT_EQ(spread_pairs(many_pairs(), kThreeContacts, {true, true, true}, 1000).size(),
+            many_pairs().size());
 }
 
-TEST(PairSelection, LeavesOutWhatTellsNothing) {
+TEST(PairSelection, LeavesOutForcesThatDoNotPress) {
   std::vector<Pair> pairs = many_pairs();
-  for (Pair& pair : pairs)
-    if (pair.contact == 0) pair.force.setZero();
-  for (const Pair& pair : spread_pairs(pairs, {true, true, true}, 12)) EXPECT_NE(pair.contact, 0U);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (pairs[i].contact == 0) pairs[i].force.setZero();
+    if (pairs[i].contact == 1 && i % 2 == 1) pairs[i].force *= -100;  // far from all others
+  }
+  const std::vector<Pair> few = spread_pairs(pairs, kThreeContacts, {true, true, true}, 12);
+  EXPECT_FALSE(few.empty());
+  for (const Pair& pair : few) {
+    EXPECT_NE(pair.contact, 0U);
+    EXPECT_GT(pair.force.z(), 0);
+  }
+}
+
+TEST(PairSelection, KeepsMarkedPairsWithTheirPresses) {
+  const std::vector<Pair> pairs = many_pairs();
+  std::vector<bool> marked(pairs.size(), false);
+  marked[0] = marked[3] = marked[20] = true;  // the press of the last is not marked
+  const std::vector<Pair> kept = marked_pairs(pairs, marked);
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[1].settled, 0U);
+  EXPECT_EQ(kept[1].force, pairs[3].force);
 }
 
 TEST(PairSelection, TakesLargeForcesAtContactsFarApart) {
-  const std::vector<probing::Contact> contacts{
-      {0, {0, 0, 0}, {0, 0, 1}}, {1, {1, 0, 0}, {0, 0, 1}}, {2, {50, 0, 0}, {0, 0, 1}}};
   const std::vector<Pair> pairs = many_pairs();
-  const std::vector<std::size_t> large = largest_pairs(pairs, contacts, 4);
+  const std::vector<std::size_t> large = largest_pairs(pairs, kThreeContacts, 4);
   ASSERT_EQ(large.size(), 4U);
   for (const std::size_t i : large) {
     EXPECT_NE(pairs[i].contact, 1U);

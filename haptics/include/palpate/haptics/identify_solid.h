@@ -27,7 +27,7 @@ void visit(SolidOptions& options, FieldVisitor& visitor);
 
 struct IdentifiedSolid {
   /// As given, with the material, the moves of supports and the friction that were found. What is
-  /// not determined is as given.
+  /// not determined is as given; a shear modulus that is not, times the factor of all others.
   probing::FiniteElementObject object;
   /// "shear modulus" (or "shear modulus of region 0", ...), "bulk over shear modulus" and, if
   /// supports move, "pre-stretch"; then "friction", which has no part in `correlations`
@@ -38,6 +38,8 @@ struct IdentifiedSolid {
   /// Large normal presses at contacts that are far apart, the largest first.
   std::vector<probing::KnownPress> presses;
   std::vector<long long> left_out;  ///< ids of contacts that the tip cannot reach on this solid
+  /// Pairs that are left out since the solid has no equilibrium under their forces.
+  int unanswered = 0;
 };
 
 /// Estimates the material of a solid whose geometry, supports and regions are known, from where a

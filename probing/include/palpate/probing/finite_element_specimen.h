@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 
 #include "palpate/probing/contact_equilibrium.h"
@@ -22,6 +23,7 @@ struct FiniteElementSpecimenOptions {
 struct FiniteElementObject {
   DeformableBody body;
   FiniteElementSpecimenOptions options;
+  std::filesystem::path mesh_file = {};  ///< from which the mesh was read; empty if from none
 };
 
 /// A solid as an object to probe. Its surface is the part of its boundary at rest that a camera at

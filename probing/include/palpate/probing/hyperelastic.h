@@ -8,6 +8,10 @@
 
 namespace palpate::probing {
 
+/// Bulk moduli that a material may have, over its shear modulus: beyond the largest, systems are
+/// too badly conditioned for the stated residuals.
+inline constexpr double kLeastBulkRatio = 0.5, kMostBulkRatio = 1e4;
+
 /// A rubber-like material, Mooney-Rivlin; neo-Hookean with `mooney_share` 0. Its energy density is
 ///   c10 (J^(-2/3) I1 - 3) + c01 (J^(-4/3) I2 - 3) + K/4 (J^2 - 1 - 2 ln J)
 /// with c10 = (1 - mooney_share) mu / 2, c01 = mooney_share mu / 2, and I1, I2 the invariants of

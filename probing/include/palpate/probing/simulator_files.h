@@ -3,8 +3,8 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "palpate/probing/finite_element_specimen.h"
 #include "palpate/probing/material_text.h"
@@ -18,10 +18,10 @@ namespace palpate::probing {
 /// displacement, and prints the sum of their reactions (RF): the force of the press.
 /// \throws SolverError if the press has no equilibrium.
 void write_calculix(std::ostream& out, const FiniteElementObject& object,
-                    const std::vector<KnownPress>& presses);
+                    const std::optional<KnownPress>& press);
 
-/// A scene of SOFA (XML): linear tetrahedra at the corners of the elements, hyperelastic, mm, N and
-/// tonnes. It loads `mesh_file`, which `write_linear_gmsh` writes.
+/// A scene of SOFA 24.06 or later (XML): linear tetrahedra at the corners of the elements,
+/// hyperelastic, mm, N and tonnes. It loads `mesh_file`, which `write_linear_gmsh` writes.
 void write_sofa(std::ostream& out, const FiniteElementObject& object, const std::string& mesh_file);
 
 /// A model of MuJoCo with a flexcomp of linear tetrahedra, in m and Pa: a Saint Venant-Kirchhoff

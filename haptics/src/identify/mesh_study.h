@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "identify/parameter_estimation.h"
+#include "identify/solid_law.h"
+
+namespace palpate::haptics {
+
+/// What a mesh of half the size of elements changes in some of the pairs. All vectors are of one
+/// length.
+struct MeshStudy {
+  std::vector<std::size_t> pairs;           ///< indices
+  std::vector<Eigen::Vector3d> difference;  ///< [mm] displacement on the finer mesh minus given one
+};
+
+/// Repeats at most `most` pairs, with large forces, at contacts far apart. Those without an
+/// equilibrium on one of the meshes are left out.
+[[nodiscard]] MeshStudy study_mesh(const probing::FiniteElementObject& object,
+                                   std::span<const probing::Contact> contacts,
+                                   const std::vector<Pair>& pairs, std::size_t most,
+                                   const EquilibriumDone& done);
+
+/// The deviation of each component of a difference, over the length of the displacement, that no
+/// common factor of displacements explains; 0 without pairs.
+[[nodiscard]] double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs);
+
+/// By how much the parameters of an estimate, whose scales are one, come out too large since its
+/// displacements are those of the given mesh. Zero where `free` is false.
+[[nodiscard]] Eigen::VectorXd mesh_shift(const MeshStudy& study, const ParametricLaw& law,
+                                         const std::vector<Pair>& pairs, const LawEstimate& found,
+                                         const std::vector<bool>& free);
+
+}  // namespace palpate::haptics
