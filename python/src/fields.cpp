@@ -187,12 +187,14 @@ std::string described(const std::string& call, const std::string& result, const 
   Describer describer;
   list(describer);
   std::string signature = call, lines;
-  for (const auto& [field, type, usual, range] : describer.lists.front().fields) {
-    const std::string name(field.name);
-    signature += ", " + name + ": " + type + " = " + usual;
-    lines += name + ": " + std::string(field.description);
-    if (!field.unit.empty()) lines += " [" + std::string(field.unit) + "]";
-    lines += range.empty() ? ".\n" : "; " + range + ".\n";
+  for (const DescribedList& each : describer.lists) {
+    for (const auto& [field, type, usual, range] : each.fields) {
+      const std::string name(field.name);
+      signature += ", " + name + ": " + type + " = " + usual;
+      lines += name + ": " + std::string(field.description);
+      if (!field.unit.empty()) lines += " [" + std::string(field.unit) + "]";
+      lines += range.empty() ? ".\n" : "; " + range + ".\n";
+    }
   }
   return signature + ") -> " + result + "\n\n" + text + "\n\n" + lines;
 }

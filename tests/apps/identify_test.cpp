@@ -69,8 +69,8 @@ class IdentifySolid : public ::testing::Test {
     ASSERT_EQ(run_palpate({"probe", "truth", truth, "-o", scratch / "truth"}).status, kDone);
     const std::string plan = scratch / "plan.json";
     const CommandResult planned =
-        run_palpate({"probe", "plan", scratch / "truth/surface.ply", "--spacing", "14",
-                     "--max-force", "1.2", "-o", plan});
+        run_palpate({"probe", "plan", scratch / "truth/surface.ply", "--contacts", "5", "--levels",
+                     "2", "--directions", "3", "--max-force", "1.2", "-o", plan});
     ASSERT_EQ(planned.status, kDone) << planned.err;
     const CommandResult probed =
         run_palpate({"probe", "run", plan, "--specimen", truth, "-o", acquisition});
@@ -84,7 +84,7 @@ class IdentifySolid : public ::testing::Test {
 
 TEST_F(IdentifySolid, WritesASpecimenFileThatOtherCommandsUse) {
   const std::vector<std::string> call{"identify",    acquisition, "--finite-elements", given,
-                                      "--max-pairs", "30",        "--mesh-pairs",      "2",
+                                      "--max-pairs", "15",        "--mesh-pairs",      "2",
                                       "-o",          card};
   std::vector<std::string> with_figures = call;
   with_figures.emplace_back("--json");

