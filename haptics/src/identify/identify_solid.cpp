@@ -283,13 +283,13 @@ IdentifiedSolid identify_solid(const probing::CheckedAcquisition& acquisition,
   result.unanswered = static_cast<int>(wanted - pairs.size());
 
   const auto mesh_pairs = static_cast<std::size_t>(solid.mesh_pairs);
-  const double scatter =
+  const MeshScatter scatter =
       mesh_scatter(study_mesh(at(law.starts[0]), contacts, pairs, mesh_pairs, done), pairs);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    // A drag counts from where its press was held.
-    const Eigen::Vector3d& held = pairs[pairs[i].settled].displacement;
-    const bool drag = pairs[i].settled != i;
-    pairs[i].law_error = scatter * (pairs[i].displacement - (drag ? 1 : 0) * held).norm();
+  for (Pair& pair : pairs) {
+    const Pair& press = pairs[pair.settled];
+    pair.law_error = &pair == &press
+                         ? scatter.press * pair.displacement.norm()
+                         : scatter.drag * (pair.displacement - press.displacement).norm();
   }
   LawEstimate found = estimate_determined(law, pairs, contacts, options);
   result.report = std::move(found.report);
@@ -299,7 +299,7 @@ IdentifiedSolid identify_solid(const probing::CheckedAcquisition& acquisition,
   std::vector<bool> free;
   for (Eigen::Index k = 0; k < law.scale.size(); ++k)
     free.push_back(is_determined(result.report.parameters[static_cast<std::size_t>(k)]));
-  const Eigen::VectorXd shift = mesh_shift(study, law, pairs, found, free);
+  const Eigen::VectorXd shift = mesh_shift(study, pairs, found, free);
   steps->end();
   state_values(object.body, shift, !study.pairs.empty(), result);
   result.object = at(found.parameters - shift);

@@ -33,48 +33,46 @@ MeshStudy study_mesh(const probing::FiniteElementObject& object,
   return result;
 }
 
-double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs) {
-  if (study.pairs.empty()) return 0;
-  double common = 0, squares = 0;
-  for (std::size_t k = 0; k < study.pairs.size(); ++k) {
-    const Eigen::Vector3d& whole = pairs[study.pairs[k]].displacement;
-    common += study.difference[k].dot(whole) / whole.squaredNorm();
-    squares += study.difference[k].squaredNorm() / whole.squaredNorm();
-  }
-  const auto count = static_cast<double>(study.pairs.size());
-  common /= count;
-  return std::sqrt(std::max(squares / count - common * common, 0.0) / 3);
-}
-
-Eigen::VectorXd mesh_shift(const MeshStudy& study, const ParametricLaw& law,
-                           const std::vector<Pair>& pairs, const LawEstimate& found,
-                           const std::vector<bool>& free) {
-  // The step of the estimate if the pairs were measured on the finer solid.
-  Problem problem{.law = law, .pairs = chosen_pairs(pairs, study.pairs)};
-  Weights weights{.whiten = {}, .shared_error = true};
-  Predictions predictions;
+MeshScatter mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs) {
   std::map<std::size_t, std::size_t> place;
   for (std::size_t k = 0; k < study.pairs.size(); ++k) place[study.pairs[k]] = k;
+  struct Mean {
+    double sum = 0, count = 0;
+    [[nodiscard]] double root() const { return count > 0 ? std::sqrt(sum / count / 3) : 0; }
+  };
+  Mean press, drag;
+  for (std::size_t k = 0; k < study.pairs.size(); ++k) {
+    const std::size_t i = study.pairs[k], settled = pairs[i].settled;
+    Eigen::Vector3d way = pairs[i].displacement, difference = study.difference[k];
+    const auto held = place.find(settled);
+    if (settled != i && held == place.end()) continue;
+    if (settled != i) {
+      way -= pairs[settled].displacement;
+      difference -= study.difference[held->second];
+    }
+    Mean& mean = settled == i ? press : drag;
+    mean.sum += difference.squaredNorm() / way.squaredNorm();
+    mean.count += 1;
+  }
+  return {press.root(), drag.root()};
+}
+
+Eigen::VectorXd mesh_shift(const MeshStudy& study, const std::vector<Pair>& pairs,
+                           const LawEstimate& found, const std::vector<bool>& free) {
+  // Usual errors of displacements on a mesh, of their length: parameters that these pairs do not
+  // determine beyond them stay as they are.
+  constexpr double kUsual = 0.03;
+  const Eigen::Index count = found.parameters.size();
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(count, count);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
   for (std::size_t k = 0; k < study.pairs.size(); ++k) {
     const std::size_t i = study.pairs[k];
-    const auto settled = place.find(pairs[i].settled);
-    // A drag whose press has no equilibrium on the finer mesh counts as a press.
-    problem.pairs[k].settled = settled == place.end() ? k : settled->second;
-    problem.pairs[k].displacement = found.predictions[i].displacement + study.difference[k];
-    weights.whiten.push_back(found.weights.whiten[i]);
-    predictions.push_back(found.predictions[i]);
-  }
-  const NormalEquations normal = normal_equations(problem, weights, predictions);
-  const Eigen::Index count = law.scale.size();
-  // What these pairs do not determine stays as it is.
-  Eigen::MatrixXd matrix = normal.matrix + Eigen::MatrixXd::Identity(count, count);
-  Eigen::VectorXd right = -normal.gradient;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    if (free[static_cast<std::size_t>(k)]) continue;
-    matrix.row(k).setZero();
-    matrix.col(k).setZero();
-    matrix(k, k) = 1;
-    right[k] = 0;
+    const double deviation = kUsual * pairs[i].displacement.norm();
+    Eigen::MatrixXd rows = found.predictions[i].by_parameters / deviation;
+    for (Eigen::Index p = 0; p < count; ++p)
+      if (!free[static_cast<std::size_t>(p)]) rows.col(p).setZero();
+    matrix += rows.transpose() * rows;
+    right += rows.transpose() * study.difference[k] / deviation;
   }
   return matrix.llt().solve(right);
 }

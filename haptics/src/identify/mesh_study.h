@@ -24,14 +24,19 @@ struct MeshStudy {
                                    const std::vector<Pair>& pairs, std::size_t most,
                                    const EquilibriumDone& done);
 
-/// The deviation of each component of a difference, over the length of the displacement, that no
-/// common factor of displacements explains; 0 without pairs.
-[[nodiscard]] double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs);
+/// RMS of each component of a difference over the length of the displacement; 0: not known.
+struct MeshScatter {
+  double press = 0;  ///< of normal forces
+  double drag = 0;   ///< of drags, from where their press was held
+};
+[[nodiscard]] MeshScatter mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs);
 
 /// By how much the parameters of an estimate, whose scales are one, come out too large since its
 /// displacements are those of the given mesh. Zero where `free` is false.
-[[nodiscard]] Eigen::VectorXd mesh_shift(const MeshStudy& study, const ParametricLaw& law,
-                                         const std::vector<Pair>& pairs, const LawEstimate& found,
-                                         const std::vector<bool>& free);
+///
+/// Meshes err most in a common factor of displacements, which whole displacements tell better than
+/// the short ways of drags. Here they therefore have the same weight, relative to their length.
+[[nodiscard]] Eigen::VectorXd mesh_shift(const MeshStudy& study, const std::vector<Pair>& pairs,
+                                         const LawEstimate& found, const std::vector<bool>& free);
 
 }  // namespace palpate::haptics
