@@ -159,7 +159,7 @@ class ContactSeries {
   [[nodiscard]] ContactResult apply_force(const Eigen::Vector3d& force);
 
   /// Derivatives of the way of the tip between `from()` and the equilibrium `at`, which
-  /// `apply_force` has found, to about a thousandth.
+  /// `apply_force` has found, to about a hundredth; less exact if it took several load steps.
   /// \throws InvalidInput if a changed solid has other nodes.
   /// \throws SolverError if the equilibrium is not stable, or a changed solid has inverted elements.
   [[nodiscard]] TipSensitivity sensitivity(const ContactState& at,
