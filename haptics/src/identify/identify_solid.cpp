@@ -283,14 +283,10 @@ IdentifiedSolid identify_solid(const probing::CheckedAcquisition& acquisition,
   result.unanswered = static_cast<int>(wanted - pairs.size());
 
   const auto mesh_pairs = static_cast<std::size_t>(solid.mesh_pairs);
-  const MeshScatter scatter =
+  const double scatter =
       mesh_scatter(study_mesh(at(law.starts[0]), contacts, pairs, mesh_pairs, done), pairs);
-  for (Pair& pair : pairs) {
-    const Pair& press = pairs[pair.settled];
-    pair.law_error = &pair == &press
-                         ? scatter.press * pair.displacement.norm()
-                         : scatter.drag * (pair.displacement - press.displacement).norm();
-  }
+  // Also of a drag, the whole displacement counts: its part of the error is as large.
+  for (Pair& pair : pairs) pair.law_error = scatter * pair.displacement.norm();
   LawEstimate found = estimate_determined(law, pairs, contacts, options);
   result.report = std::move(found.report);
 

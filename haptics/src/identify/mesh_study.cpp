@@ -3,9 +3,7 @@
 #include "identify/mesh_study.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "identify/pair_selection.h"
 #include "palpate/core/error.h"
@@ -33,28 +31,12 @@ MeshStudy study_mesh(const probing::FiniteElementObject& object,
   return result;
 }
 
-MeshScatter mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs) {
-  std::map<std::size_t, std::size_t> place;
-  for (std::size_t k = 0; k < study.pairs.size(); ++k) place[study.pairs[k]] = k;
-  struct Mean {
-    double sum = 0, count = 0;
-    [[nodiscard]] double root() const { return count > 0 ? std::sqrt(sum / count / 3) : 0; }
-  };
-  Mean press, drag;
-  for (std::size_t k = 0; k < study.pairs.size(); ++k) {
-    const std::size_t i = study.pairs[k], settled = pairs[i].settled;
-    Eigen::Vector3d way = pairs[i].displacement, difference = study.difference[k];
-    const auto held = place.find(settled);
-    if (settled != i && held == place.end()) continue;
-    if (settled != i) {
-      way -= pairs[settled].displacement;
-      difference -= study.difference[held->second];
-    }
-    Mean& mean = settled == i ? press : drag;
-    mean.sum += difference.squaredNorm() / way.squaredNorm();
-    mean.count += 1;
-  }
-  return {press.root(), drag.root()};
+double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs) {
+  if (study.pairs.empty()) return 0;
+  double sum = 0;
+  for (std::size_t k = 0; k < study.pairs.size(); ++k)
+    sum += study.difference[k].squaredNorm() / pairs[study.pairs[k]].displacement.squaredNorm();
+  return std::sqrt(sum / (3 * static_cast<double>(study.pairs.size())));
 }
 
 Eigen::VectorXd mesh_shift(const MeshStudy& study, const std::vector<Pair>& pairs,

@@ -24,12 +24,8 @@ struct MeshStudy {
                                    const std::vector<Pair>& pairs, std::size_t most,
                                    const EquilibriumDone& done);
 
-/// RMS of each component of a difference over the length of the displacement; 0: not known.
-struct MeshScatter {
-  double press = 0;  ///< of normal forces
-  double drag = 0;   ///< of drags, from where their press was held
-};
-[[nodiscard]] MeshScatter mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs);
+/// RMS of each component of a difference over the length of the displacement; 0 without pairs.
+[[nodiscard]] double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs);
 
 /// By how much the parameters of an estimate, whose scales are one, come out too large since its
 /// displacements are those of the given mesh. Zero where `free` is false.
