@@ -24,7 +24,7 @@ constexpr double kFreeGrowth = 30, kLaterGrowth = 3;
 constexpr double kLeastPart = 1.0 / 128;  // of a step, before it is given up
 
 constexpr int kMostProducts = 12;   // of the tangent with a vector, for one step
-constexpr int kManyProducts = 4;    // products of a step, beyond which the matrix is factored anew
+constexpr int kManyProducts = 4;    // products of a step, beyond which the matrix is factored again
 constexpr double kGoodRate = 0.05;  // of residuals: below it old factors alone give the step
 constexpr double kFirstTolerance = 0.3;  // of a step, over the residual, while contacts change,
 constexpr double kLaterTolerance = 0.1;  // and once they are nearly found

@@ -13,7 +13,7 @@ namespace {
 
 constexpr KrylovOptions kSolve{.tolerance = 1e-3, .max_products = 12};
 constexpr double kLargestResidual = 1e-2;  // of the forces: beyond it there is no answer
-constexpr int kManyProducts = 6;  // of the tangent for an answer, beyond which it is factored anew
+constexpr int kManyProducts = 6;  // of the tangent for an answer, beyond which it is factored again
 
 }  // namespace
 

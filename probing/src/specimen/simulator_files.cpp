@@ -25,7 +25,7 @@ void refuse_obstacles(const FiniteElementObject& object) {
       "of the specimen file, and add them to the scene yourself");
 }
 
-// The corners of the elements, numbered anew: -1 for nodes in the middle of edges.
+// New numbers of the corners of elements: -1 for nodes in the middle of edges.
 struct Corners {
   std::vector<int> number;  // of each node
   std::vector<int> nodes;
