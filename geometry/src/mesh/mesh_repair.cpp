@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -44,12 +45,14 @@ class Repair {
     steps_.tell();
     drop_repeated();
     steps_.tell();
-    std::vector<Pair> pairs = pair_sides_of_two();
+    const std::vector<EdgeSide> sides = sort_sides(triangles_, use_);
+    std::vector<Pair> pairs = pair_sides_of_two(sides);
     turn(pairs);
     steps_.tell();
-    pair_sides_of_more(pairs);
+    const std::size_t of_two = pairs.size();
+    pair_sides_of_more(sides, pairs);
     steps_.tell();
-    turn(pairs);
+    if (pairs.size() > of_two) turn(pairs);
     for (const bool turned : turned_) result_.turned_triangles += turned;
     steps_.tell();
     rebuild(pairs);
@@ -214,9 +217,9 @@ class Repair {
   }
 
   /// Joins the two sides of the edges that have just two.
-  [[nodiscard]] std::vector<Pair> pair_sides_of_two() const {
+  static std::vector<Pair> pair_sides_of_two(const std::vector<EdgeSide>& all) {
     std::vector<Pair> pairs;
-    for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+    for_each_edge(all, [&](std::span<const EdgeSide> sides) {
       if (sides.size() == 2) pairs.emplace_back(sides[0], sides[1]);
     });
     return pairs;
@@ -225,8 +228,8 @@ class Repair {
   /// Decides which sides are joined where more than two meet: first those whose triangles face the
   /// same side of a surface, as each of two solids that touch along an edge keeps its own, and
   /// among them those with the flattest angle.
-  void pair_sides_of_more(std::vector<Pair>& pairs) {
-    for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+  void pair_sides_of_more(const std::vector<EdgeSide>& all, std::vector<Pair>& pairs) {
+    for_each_edge(all, [&](std::span<const EdgeSide> sides) {
       if (sides.size() <= 2) return;
       ++result_.cut_edges;
       std::vector<EdgeSide> left(sides.begin(), sides.end());
@@ -253,11 +256,19 @@ class Repair {
 
   /// Reverses the smaller area of each connected surface, so that joined triangles agree.
   void turn(const std::vector<Pair>& pairs) {
-    std::vector<std::vector<std::pair<int, bool>>> neighbors(use_.size());  // and whether opposed
+    struct Neighbor {
+      int triangle = -1;  // none
+      bool against = false;
+    };
+    std::vector<std::array<Neighbor, 3>> neighbors(use_.size());
+    const auto add = [&](const EdgeSide& of, const Neighbor& neighbor) {
+      auto& all = neighbors[static_cast<size_t>(of.triangle())];
+      *std::ranges::find(all, -1, &Neighbor::triangle) = neighbor;
+    };
     for (const auto& [a, b] : pairs) {
       const bool against = a.upwards == b.upwards;
-      neighbors[static_cast<size_t>(a.triangle())].emplace_back(b.triangle(), against);
-      neighbors[static_cast<size_t>(b.triangle())].emplace_back(a.triangle(), against);
+      add(a, {b.triangle(), against});
+      add(b, {a.triangle(), against});
     }
     turned_.assign(use_.size(), false);
     std::vector<bool> seen(use_.size());
@@ -271,7 +282,7 @@ class Repair {
         excess +=
             (turned_[t] ? -1 : 1) * area_vector(input_.vertices, triangles_.col(surface[i])).norm();
         for (const auto& [next, against] : neighbors[t]) {
-          if (seen[static_cast<size_t>(next)]) continue;
+          if (next < 0 || seen[static_cast<size_t>(next)]) continue;
           seen[static_cast<size_t>(next)] = true;
           turned_[static_cast<size_t>(next)] = turned_[t] != against;
           surface.push_back(next);
