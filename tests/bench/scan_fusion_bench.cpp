@@ -26,11 +26,11 @@ using Eigen::Vector3d;
 using namespace palpate::geometry;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRadius = 28;                    // [mm]
-const Vector3d kCentre(-16, 0, 45);               // of the sphere, which sinks into the block by 3 mm
-constexpr double kTruncation = 3;                 // [voxels], the default of MergeScansOptions::reach
+constexpr double kRadius = 28;       // [mm]
+const Vector3d kCentre(-16, 0, 45);  // of the sphere, which sinks into the block by 3 mm
+constexpr double kTruncation = 3;    // [voxels], the default of MergeScansOptions::reach
 constexpr double kDistance = 400, kPixel = 0.63;  // [mm] of the cameras, and a pixel there
-constexpr double kSmooth = 4;                     // [mm] vertices this far from edges are on smooth parts
+constexpr double kSmooth = 4;  // [mm] vertices this far from edges are on smooth parts
 
 struct Box {
   Vector3d centre, half;
@@ -92,7 +92,8 @@ std::vector<View> views_of_object(double noise) {
   std::vector<View> views;
   for (int i = 0; i < 8; ++i) {
     const double angle = (i + 0.3) * std::numbers::pi / 4;
-    const Vector3d from = Vector3d(std::cos(angle), std::sin(angle), i % 2 == 0 ? 1.4 : 0.5).normalized();
+    const Vector3d from =
+        Vector3d(std::cos(angle), std::sin(angle), i % 2 == 0 ? 1.4 : 0.5).normalized();
     View view;
     view.map.camera = {.width = 320,
                        .height = 240,
@@ -135,8 +136,8 @@ TriangleMesh fuse_by_peer(const std::vector<View>& views, double voxel) {
       if (all(2, i) > 0) known.push_back(i);
     }
     const Eigen::Matrix3Xd points = all(Eigen::all, known);
-    seen.push_back({.points = view.T_object_camera * points,
-                    .eye = view.T_object_camera.translation()});
+    seen.push_back(
+        {.points = view.T_object_camera * points, .eye = view.T_object_camera.translation()});
   }
   return palpate::bench::fuse_with_openvdb(seen, voxel, kTruncation * voxel);
 }
@@ -158,7 +159,7 @@ void fusion_against_openvdb(benchmark::State& state, double voxel, double noise)
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const std::vector<View> views = views_of_object(noise);
   TriangleMesh ours, peer;
-  palpate::bench::run_paired(
+  palpate::bench::run_paired<palpate::bench::ProcessorClock>(
       state, [&] { ours = fuse(views, voxel); }, [&] { peer = fuse_by_peer(views, voxel); });
   report_errors(state, ours, "ours");
   report_errors(state, peer, "peer");
@@ -166,7 +167,8 @@ void fusion_against_openvdb(benchmark::State& state, double voxel, double noise)
   for (const View& view : views) depths += static_cast<double>((view.map.z > 0).count());
   state.counters["depths"] = depths;
 }
-BENCHMARK_CAPTURE(fusion_against_openvdb, voxel_05_noise_02, 0.5, 0.2)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(fusion_against_openvdb, voxel_05_noise_02, 0.5, 0.2)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fusion_against_openvdb, voxel_1_noise_03, 1, 0.3)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fusion_against_openvdb, voxel_1_noise_05, 1, 0.5)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(fusion_against_openvdb, voxel_1_noise_10, 1, 1.0)->Unit(benchmark::kMillisecond);

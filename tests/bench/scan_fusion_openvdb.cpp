@@ -36,8 +36,9 @@ class Volume {
       Vec3d way = point - eye;
       const double depth = way.length();
       way /= depth;
-      const auto ray = openvdb::math::Ray<double>(eye, way, depth - truncation_, depth + truncation_)
-                           .worldToIndex(*distances_);
+      const auto ray =
+          openvdb::math::Ray<double>(eye, way, depth - truncation_, depth + truncation_)
+              .worldToIndex(*distances_);
       openvdb::math::DDA<openvdb::math::Ray<double>> steps(ray);
       do {
         const Coord voxel = steps.voxel();
