@@ -4,120 +4,154 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <numbers>
 
-#include "palpate/geometry/mesh_measures.h"
+#include "scans/nearest_triangles.h"
 
 namespace palpate::geometry {
 namespace {
 
-/// Places that are evaluated together, which bounds the memory of their results.
-constexpr Eigen::Index kBatch = 1 << 18;
+/// The sides of the grid points of a block and of those around it. Bit 0: inside, bit 1: outside.
+constexpr std::size_t kPadded = kBlockEdge + 2;
+using PaddedSides = std::array<std::uint8_t, kPadded * kPadded * kPadded>;
 
-/// A cube of grid points, 2^level along each edge; `corner` is the key of the first.
-using Cubes = std::vector<std::int64_t>;
-
-constexpr std::int64_t kIndexMask = kGridPoints - 1;
-
-Eigen::Matrix3Xd centres(const Grid& grid, const Cubes& cubes, std::size_t first,
-                         Eigen::Index count, int level) {
-  const double half = (std::ldexp(1.0, level) - 1) / 2 * grid.spacing;
-  Eigen::Matrix3Xd places(3, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    places.col(i) = grid_position(grid, cubes[first + static_cast<std::size_t>(i)]).array() + half;
-  }
-  return places;
-}
-
-/// Calls `visit(first, places)` for batches of the cubes' centres, and `check` after each.
-void for_each_batch(const Grid& grid, const Cubes& cubes, int level,
-                    const std::function<void()>& check, auto&& visit) {
-  for (std::size_t first = 0; first < cubes.size(); first += kBatch) {
-    const auto count =
-        std::min<Eigen::Index>(kBatch, static_cast<Eigen::Index>(cubes.size() - first));
-    visit(first, centres(grid, cubes, first, count, level));
-    if (check) check();
-  }
-}
-
-/// The eighths of the cubes that may have a grid point within reach.
-Cubes divide(const ScanDistance& scan, const Grid& grid, const Cubes& cubes, int level,
-             double reach, const std::function<void()>& check) {
-  const double to_corner = std::numbers::sqrt3 * (std::ldexp(1.0, level) - 1) / 2 * grid.spacing;
-  const std::int64_t half = std::int64_t{1} << (level - 1);
-  Cubes eighths;
-  for_each_batch(grid, cubes, level, check, [&](std::size_t first, const Eigen::Matrix3Xd& places) {
-    const Eigen::VectorXd distances = scan.unsigned_at(places);
-    for (Eigen::Index i = 0; i < places.cols(); ++i) {
-      if (distances[i] > reach + to_corner) continue;
-      for (int octant = 0; octant < 8; ++octant) {
-        eighths.push_back(cubes[first + static_cast<std::size_t>(i)] +
-                          half * grid_step(octant & 1, octant >> 1 & 1, octant >> 2));
-      }
-    }
-  });
-  return eighths;
+/// Each point also takes the sides of its neighbours at distance `step`.
+void spread_sides(PaddedSides& sides, std::size_t step) {
+  const PaddedSides before = sides;
+  for (std::size_t i = step; i + step < sides.size(); ++i)
+    sides[i] = static_cast<std::uint8_t>(before[i - step] | before[i] | before[i + step]);
 }
 
 }  // namespace
 
-Eigen::Vector3d grid_position(const Grid& grid, std::int64_t key) {
-  const Eigen::Array3d index(static_cast<double>(key & kIndexMask),
-                             static_cast<double>(key / kGridPoints & kIndexMask),
-                             static_cast<double>(key / kGridPoints / kGridPoints));
-  return grid.origin.array() + grid.spacing * index;
+DistanceVolume::Block& DistanceVolume::block(std::int64_t key) {
+  const auto number = static_cast<std::size_t>(numbers_.add(key));
+  if (number == blocks_.size()) blocks_.emplace_back();
+  return blocks_[number];
 }
 
-std::vector<GridDistance> distances_around(const ScanDistance& scan, const Grid& grid, double reach,
-                                           const std::function<void()>& check) {
-  const Eigen::Vector3d far = bounding_box(scan.mesh()).max().array() + reach;
-  const double extent = (far - grid.origin).maxCoeff() / grid.spacing + 1;
-  const int root = std::max(0, static_cast<int>(std::ceil(std::log2(extent))));
-  Cubes cubes = {0};
-  for (int level = root; level > 0; --level) cubes = divide(scan, grid, cubes, level, reach, check);
-  // Order the grid points before they are evaluated, and the result is ordered.
-  std::sort(cubes.begin(), cubes.end());
-  std::vector<GridDistance> known;
-  for_each_batch(grid, cubes, 0, check, [&](std::size_t first, const Eigen::Matrix3Xd& places) {
-    const PlaceDistances there = scan.at(places);
-    for (Eigen::Index i = 0; i < places.cols(); ++i) {
-      const double d = there.distance[i] / grid.spacing;
-      if (std::abs(there.distance[i]) > reach || there.weight[i] == 0) continue;
-      known.push_back({.key = cubes[first + static_cast<std::size_t>(i)],
-                       .distance = there.distance[i],
-                       .weight = there.weight[i] / ((1 + d * d) * (1 + d * d)),
-                       .beyond = there.beyond[i],
-                       .precision = there.precision[i]});
+void DistanceVolume::add(const DistanceVolume& other) {
+  for (std::size_t b = 0; b < other.blocks_.size(); ++b) {
+    const auto number = static_cast<std::size_t>(numbers_.add(other.numbers_.keys()[b]));
+    const Block& with = other.blocks_[b];
+    if (number == blocks_.size()) {
+      blocks_.push_back(with);
+      continue;
     }
-  });
-  return known;
-}
-
-std::vector<GridDistance> combine(const std::vector<GridDistance>& a,
-                                  const std::vector<GridDistance>& b) {
-  std::vector<GridDistance> both;
-  both.reserve(std::max(a.size(), b.size()));
-  auto at_a = a.begin();
-  auto at_b = b.begin();
-  while (at_a != a.end() || at_b != b.end()) {
-    if (at_b == b.end() || (at_a != a.end() && at_a->key < at_b->key)) {
-      both.push_back(*at_a++);
-    } else if (at_a == a.end() || at_b->key < at_a->key) {
-      both.push_back(*at_b++);
-    } else {
-      const double weight = at_a->weight + at_b->weight;
-      both.push_back(
-          {.key = at_a->key,
-           .distance = (at_a->weight * at_a->distance + at_b->weight * at_b->distance) / weight,
-           .weight = weight,
-           .beyond = std::min(at_a->beyond, at_b->beyond),
-           .precision = at_a->precision + at_b->precision});
-      ++at_a;
-      ++at_b;
+    Block& block = blocks_[number];
+    for (std::size_t i = 0; i < kBlockPoints; ++i) {
+      if (with.weight[i] == 0) continue;
+      const float weight = block.weight[i] + with.weight[i];
+      block.beyond[i] =
+          block.weight[i] == 0 ? with.beyond[i] : std::min(block.beyond[i], with.beyond[i]);
+      block.distance[i] =
+          (block.weight[i] * block.distance[i] + with.weight[i] * with.distance[i]) / weight;
+      block.weight[i] = weight;
+      block.precision[i] += with.precision[i];
     }
   }
-  return both;
+}
+
+GridDistance DistanceVolume::point(std::size_t block, std::size_t place) const {
+  const Block& at = blocks_[block];
+  return {.key = key_in_block(numbers_.keys()[block], place),
+          .distance = static_cast<double>(at.distance[place]),
+          .weight = static_cast<double>(at.weight[place]),
+          .beyond = static_cast<double>(at.beyond[place]),
+          .precision = static_cast<double>(at.precision[place])};
+}
+
+std::optional<GridDistance> DistanceVolume::find(std::int64_t x, std::int64_t y,
+                                                 std::int64_t z) const {
+  const int block = numbers_.find(block_key(x, y, z));
+  if (block < 0) return std::nullopt;
+  const GridDistance there = point(static_cast<std::size_t>(block), place_in_block(x, y, z));
+  if (there.weight == 0) return std::nullopt;
+  return there;
+}
+
+Eigen::AlignedBox3d DistanceVolume::box() const {
+  Eigen::AlignedBox3d box;
+  for (const std::int64_t key : numbers_.keys()) {
+    const Eigen::Array3d corner = grid_index(key);
+    box.extend(corner.matrix());
+    box.extend((corner + (kBlockEdge - 1)).matrix());
+  }
+  return box;
+}
+
+std::array<bool, kBlockPoints> DistanceVolume::beside_other_side(std::size_t block) const {
+  PaddedSides sides{};
+  const auto corner = grid_index(numbers_.keys()[block]).cast<std::int64_t>().eval();
+  // The 27 blocks around, and the range of their points that are within one of this block.
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        const int number = numbers_.find(numbers_.keys()[block] + kBlockEdge * grid_step(x, y, z));
+        if (number < 0) continue;
+        const Block& from = blocks_[static_cast<std::size_t>(number)];
+        const auto range = [](int side) {
+          return side < 0 ? std::array{-1, 0} : side > 0 ? std::array{8, 9} : std::array{0, 8};
+        };
+        for (int k = range(z)[0]; k < range(z)[1]; ++k) {
+          for (int j = range(y)[0]; j < range(y)[1]; ++j) {
+            for (int i = range(x)[0]; i < range(x)[1]; ++i) {
+              const std::size_t place = place_in_block(corner[0] + i, corner[1] + j, corner[2] + k);
+              if (from.weight[place] == 0) continue;
+              const auto to =
+                  (static_cast<std::size_t>(k + 1) * kPadded + static_cast<std::size_t>(j + 1)) *
+                      kPadded +
+                  static_cast<std::size_t>(i + 1);
+              sides[to] = from.distance[place] < 0 ? 1 : 2;
+            }
+          }
+        }
+      }
+    }
+  }
+  spread_sides(sides, 1);
+  spread_sides(sides, kPadded);
+  spread_sides(sides, kPadded * kPadded);
+  std::array<bool, kBlockPoints> beside{};
+  for (std::size_t i = 0; i < kBlockPoints; ++i) {
+    const std::size_t x = i % kBlockEdge, y = i / kBlockEdge % kBlockEdge,
+                      z = i / kBlockEdge / kBlockEdge;
+    beside[i] =
+        blocks_[block].weight[i] > 0 && sides[((z + 1) * kPadded + y + 1) * kPadded + x + 1] == 3;
+  }
+  return beside;
+}
+
+std::vector<GridDistance> DistanceVolume::near_surface() const {
+  std::vector<GridDistance> points;
+  for (std::size_t block = 0; block < blocks_.size(); ++block) {
+    const std::array<bool, kBlockPoints> beside = beside_other_side(block);
+    for (std::size_t i = 0; i < kBlockPoints; ++i) {
+      if (beside[i]) points.push_back(point(block, i));
+    }
+  }
+  std::ranges::sort(points, {}, &GridDistance::key);
+  return points;
+}
+
+DistanceVolume distances_around(const ScanDistance& scan, const Grid& grid, double reach) {
+  DistanceVolume volume;
+  const std::deque<NearTriangles> found =
+      nearest_triangles(scan.mesh(), grid, reach / grid.spacing);
+  for (const NearTriangles& near : found) {
+    DistanceVolume::Block& block = volume.block(near.block);
+    for (std::size_t i = 0; i < kBlockPoints; ++i) {
+      if (near.nearest[i].triangle < 0) continue;
+      const PlaceDistance there =
+          scan.at(grid_position(grid, key_in_block(near.block, i)), near.nearest[i]);
+      if (there.weight == 0 || std::abs(there.distance) > reach) continue;
+      const double d = there.distance / grid.spacing;
+      block.distance[i] = static_cast<float>(there.distance);
+      block.weight[i] = static_cast<float>(there.weight / ((1 + d * d) * (1 + d * d)));
+      block.beyond[i] = static_cast<float>(there.beyond);
+      block.precision[i] = static_cast<float>(there.precision);
+    }
+  }
+  return volume;
 }
 
 }  // namespace palpate::geometry

@@ -2,32 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <deque>
+#include <optional>
 #include <vector>
 
+#include "scans/grid_blocks.h"
 #include "scans/scan_distance.h"
 
 namespace palpate::geometry {
-
-/// A cubic grid: point (i, j, k) is at origin + spacing (i, j, k), all indices in
-/// [0, kGridPoints).
-struct Grid {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [mm]
-  double spacing = 0;                                ///< [mm]
-};
-
-/// Largest number of grid points along an axis: three indices fit into a key.
-inline constexpr std::int64_t kGridPoints = std::int64_t{1} << 21;
-
-/// Keys are ordered by z, then y, then x; (dx, dy, dz) further is `grid_step(dx, dy, dz)` more.
-[[nodiscard]] constexpr std::int64_t grid_step(std::int64_t x, std::int64_t y, std::int64_t z) {
-  return (z * kGridPoints + y) * kGridPoints + x;
-}
-
-/// [mm] position of the grid point of a key.
-[[nodiscard]] Eigen::Vector3d grid_position(const Grid& grid, std::int64_t key);
 
 /// What scans tell about a grid point.
 struct GridDistance {
@@ -38,19 +24,46 @@ struct GridDistance {
   double precision = 0;  ///< [mm^-2] sum of 1 / sigma^2 of the scans
 };
 
-/// The signed distances of a scan at the grid points within `reach` [mm] of it, by key. Only where
-/// they are known (see `ScanDistance`).
+/// What scans tell about the points of a grid, in the blocks that they are near. In single
+/// precision, as the data are large: the distances are at most a few spacings.
+class DistanceVolume {
+ public:
+  /// What scans tell about the grid points of a block; the weight is 0 where they tell nothing.
+  struct Block {
+    std::array<float, kBlockPoints> distance{}, weight{}, beyond{}, precision{};
+  };
+
+  /// The block with this key, which is added if it is not there. Valid until the next is added.
+  Block& block(std::int64_t key);
+  /// Combines with what other scans tell: weighted means.
+  void add(const DistanceVolume& other);
+  /// \return nothing if no scan tells about this grid point.
+  [[nodiscard]] std::optional<GridDistance> find(std::int64_t x, std::int64_t y,
+                                                 std::int64_t z) const;
+  [[nodiscard]] bool has_block(std::int64_t key) const { return numbers_.find(key) >= 0; }
+  /// Holds all blocks; in units of the grid.
+  [[nodiscard]] Eigen::AlignedBox3d box() const;
+  [[nodiscard]] std::size_t bytes() const { return blocks_.size() * sizeof(Block); }
+
+  /// Grid points that are, in any direction, beside one on the other side of the surface or are
+  /// beside one that is; sorted by key.
+  [[nodiscard]] std::vector<GridDistance> near_surface() const;
+
+ private:
+  [[nodiscard]] GridDistance point(std::size_t block, std::size_t place) const;
+  [[nodiscard]] std::array<bool, kBlockPoints> beside_other_side(std::size_t block) const;
+
+  BlockNumbers numbers_;
+  std::deque<Block> blocks_;
+};
+
+/// The signed distances of a scan at the grid points within `reach` [mm] of it. Only where they are
+/// known (see `ScanDistance`).
 ///
 /// The weight of a distance d is that of the scan there, times (1 + (d / spacing)^2)^-2: the scan
 /// that is nearest to a place decides there, so that the far side of a thin wall does not erase
 /// the near one.
-/// \param check called after every quarter of a million places or less; may throw.
-[[nodiscard]] std::vector<GridDistance> distances_around(const ScanDistance& scan, const Grid& grid,
-                                                         double reach,
-                                                         const std::function<void()>& check = {});
-
-/// Combines what different scans tell: weighted means. Both sorted by key, as is the result.
-[[nodiscard]] std::vector<GridDistance> combine(const std::vector<GridDistance>& a,
-                                                const std::vector<GridDistance>& b);
+[[nodiscard]] DistanceVolume distances_around(const ScanDistance& scan, const Grid& grid,
+                                              double reach);
 
 }  // namespace palpate::geometry

@@ -12,12 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include "mesh/compact_mesh.h"
 #include "palpate/core/error.h"
+#include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/mesh_topology.h"
-#include "palpate/geometry/surface_query.h"
+#include "query/surface_tree.h"
 #include "scans/distance_volume.h"
 #include "scans/registered_scans.h"
 #include "scans/scan_conflicts.h"
@@ -33,10 +35,12 @@ constexpr double kOverhang = 2;
 constexpr double kLargestBeyond = 0.5;
 /// Parts up to this size are left out if a larger one is as near. [reaches]
 constexpr double kScraps = 2;
+/// Scans whose distances are computed at the same time.
+constexpr int kScansAtOnce = 4;
 constexpr double kGigabyte = 1e9;
-/// Bytes for each grid point: the points of a scan and all points before and after they are
-/// combined; or all points, their neighbours and the pieces in their cells.
-constexpr double kBytesAPoint = 3 * sizeof(GridDistance) + 16;
+/// Bytes for each grid point of a scan, while its distances are computed and until they are
+/// combined: blocks of samples, triangles and distances, of which two fifths are in use.
+constexpr double kBytesAPoint = 100;
 /// The grid points near a surface, relative to its area times the thickness of the layer: the
 /// ends of the layer at the border and at small features are beyond.
 constexpr double kLayerMargin = 1.3;
@@ -78,14 +82,15 @@ Grid grid_around(const std::vector<TriangleMesh>& meshes, double spacing, double
   return {.origin = box.min().array() - margin, .spacing = spacing};
 }
 
-/// Refuses a scan whose grid points, beside those there are, need too much memory.
-void check_memory(const TriangleMesh& mesh, std::size_t present, const Grid& grid,
-                  const MergeScansOptions& options, const std::string& name) {
+/// Refuses a scan whose grid points need too much memory beside what is in use.
+/// \return [bytes] needed with it.
+double check_memory(const TriangleMesh& mesh, double in_use, const Grid& grid,
+                    const MergeScansOptions& options, const std::string& name) {
   const double layer = 2 * options.reach + 1;
   const double area = surface_area(mesh) / (grid.spacing * grid.spacing);
-  const double added = kLayerMargin * layer * (area + layer * layer);
-  const double needed = (added + static_cast<double>(present)) * kBytesAPoint / kGigabyte;
-  if (needed <= options.max_memory) return;
+  const double bytes = in_use + kBytesAPoint * kLayerMargin * layer * (area + layer * layer);
+  const double needed = bytes / kGigabyte;
+  if (needed <= options.max_memory) return bytes;
   // The number of grid points in a layer falls with the square of the spacing.
   const double enough = grid.spacing * std::sqrt(needed / options.max_memory);
   throw InvalidInput(std::vector<MessagePart>{
@@ -125,10 +130,13 @@ Eigen::Matrix3Xi without_scraps(const TriangleMesh& mesh, double size) {
   const TriangleMesh large{.vertices = mesh.vertices, .triangles = split(is_large)};
   if (large.triangles.cols() == mesh.triangles.cols() || large.triangles.cols() == 0)
     return mesh.triangles;
-  const SurfaceQuery query(large);
+  const SurfaceTree tree(large, TreeBuild::quick);
+  const auto is_near = [&](const Eigen::Vector3d& place) {
+    return tree.nearest(tree.to_local(place), size * tree.scale()).triangle >= 0;
+  };
   std::vector<bool> kept(boxes.size());
   for (std::size_t part = 0; part < boxes.size(); ++part)
-    kept[part] = is_large(part) || query.closest_point(boxes[part].center()).distance > size;
+    kept[part] = is_large(part) || !is_near(boxes[part].center());
   return split([&](std::size_t part) { return kept[part]; });
 }
 
@@ -149,7 +157,7 @@ void visit(MergeScansOptions& options, FieldVisitor& visitor) {
 
 MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& given) {
   const MergeScansOptions options = in_range(given);
-  const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "merge_scans");
+  std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "merge_scans");
   require_manifold(scans, "merge_scans");
   bool know_sigma = true;
   for (std::size_t i = 0; i < scans.size(); ++i) {
@@ -157,25 +165,43 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& gi
     know_sigma = know_sigma && scans[i].sigma.size() > 0;
   }
   MergedScans merged;
-  merged.spacing = options.spacing.value_or(median_edge_length(meshes, "merge_scans"));
+  merged.spacing = options.spacing ? *options.spacing : median_edge_length(meshes, "merge_scans");
   const Grid grid = grid_around(meshes, merged.spacing, options.reach);
   const double reach = options.reach * grid.spacing;
-  ConflictSearch conflicts(scans, meshes, reach);
-  std::vector<GridDistance> volume;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    check_memory(meshes[i], volume.size(), grid, options, scan_name(scans, i, "merge_scans"));
-    const ScanDistance scan(meshes[i], know_sigma ? scans[i].sigma : Eigen::VectorXd(),
-                            kOverhang * grid.spacing);
-    const auto report = [&](std::size_t done) {
-      if (options.progress)
-        options.progress(static_cast<int>(done), static_cast<int>(scans.size()));
-    };
-    conflicts.add(static_cast<int>(i), scan);
-    volume = combine(volume, distances_around(scan, grid, reach, [&] { report(i); }));
-    report(i + 1);
+  ConflictSearch conflicts(scans, meshes, grid, reach);
+  const auto count = static_cast<int>(scans.size());
+  const auto report = [&](int done) {
+    if (options.progress) options.progress(done, count);
+  };
+  DistanceVolume volume;
+  std::vector<DistanceVolume> batch;
+  for (int first = 0; first < count; first += static_cast<int>(batch.size())) {
+    batch.assign(static_cast<std::size_t>(std::min(kScansAtOnce, count - first)), {});
+    report(first);
+    auto bytes = static_cast<double>(volume.bytes());
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      const std::size_t i = static_cast<std::size_t>(first) + k;
+      bytes = check_memory(meshes[i], bytes, grid, options, scan_name(scans, i, "merge_scans"));
+    }
+    parallel_for(batch.size(), [&](std::size_t k) {
+      const std::size_t i = static_cast<std::size_t>(first) + k;
+      const ScanDistance scan(std::move(meshes[i]), know_sigma ? scans[i].sigma : Eigen::VectorXd(),
+                              kOverhang * grid.spacing);
+      batch[k] = distances_around(scan, grid, reach);
+    });
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      const int i = first + static_cast<int>(k);
+      report(i);
+      conflicts.add(i, batch[k]);
+      volume.add(batch[k]);
+      batch[k] = {};
+      report(i + 1);
+    }
   }
   merged.conflicts = conflicts.found();
-  VolumeSurface surface = zero_surface(grid, volume);
+  const std::vector<GridDistance> points = volume.near_surface();
+  volume = {};
+  VolumeSurface surface = zero_surface(grid, points);
   surface.mesh.triangles = measured_triangles(surface, kLargestBeyond * grid.spacing);
   if (surface.mesh.triangles.cols() == 0) {
     throw SolverError(
@@ -186,12 +212,12 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& gi
   // Cells with two pieces can pinch the surface, and vertices without triangles are left over.
   RepairedMesh repaired = repair_mesh(surface.mesh);
   repaired.mesh.triangles = without_scraps(repaired.mesh, kScraps * reach);
-  RepairedMesh cleaned = repair_mesh(repaired.mesh);
-  merged.mesh = std::move(cleaned.mesh);
+  CompactMesh kept = compact(repaired.mesh);
+  merged.mesh = std::move(kept.mesh);
   if (know_sigma) {
     merged.sigma.resize(merged.mesh.vertices.cols());
     for (Eigen::Index v = 0; v < merged.sigma.size(); ++v) {
-      const int source = cleaned.source[static_cast<std::size_t>(v)];
+      const int source = kept.source[static_cast<std::size_t>(v)];
       merged.sigma[v] =
           1 / std::sqrt(surface.precision[repaired.source[static_cast<std::size_t>(source)]]);
     }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "palpate/geometry/merge_scans.h"
-#include "scans/scan_distance.h"
+#include "scans/distance_volume.h"
 
 namespace palpate::geometry {
 
@@ -18,10 +18,11 @@ class ConflictSearch {
   /// \param scans with the same scans in the frame of the object, `meshes`.
   /// \param tolerance [mm] surfaces that are no farther apart agree.
   ConflictSearch(std::span<const Scan> scans, const std::vector<TriangleMesh>& meshes,
-                 double tolerance);
+                 const Grid& grid, double tolerance);
 
   /// Looks which places of the others the surface of scan `other` hides.
-  void add(int other, const ScanDistance& surface);
+  /// \param surface its distances, up to the tolerance.
+  void add(int other, const DistanceVolume& surface);
 
   /// The pairs in conflict so far, the worst first.
   [[nodiscard]] std::vector<ScanConflict> found() const;
@@ -35,7 +36,8 @@ class ConflictSearch {
   };
 
   std::vector<std::vector<Place>> places_;  ///< of each scan
-  double tolerance_;                        ///< [mm]
+  Grid grid_;
+  double tolerance_;  ///< [mm]
   std::vector<ScanConflict> found_;
 };
 

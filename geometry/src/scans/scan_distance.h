@@ -5,17 +5,17 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "scans/nearest_triangles.h"
 
 namespace palpate::geometry {
 
-/// What a scan tells about places.
-struct PlaceDistances {
-  Eigen::VectorXd distance;   ///< [mm] N, > 0 outside of the scan
-  Eigen::VectorXd weight;     ///< N, of the scan at the nearest point; 0 where it tells nothing
-  Eigen::VectorXd beyond;     ///< [mm] N, how far the place is beyond the border
-  Eigen::VectorXd precision;  ///< [mm^-2] N, 1 / sigma^2 of the scan at the nearest point
+/// What a scan tells about a place.
+struct PlaceDistance {
+  double distance = 0;   ///< [mm] > 0 outside of the scan
+  double weight = 0;     ///< of the scan at the nearest point; 0 where it tells nothing
+  double beyond = 0;     ///< [mm] how far the place is beyond the border
+  double precision = 0;  ///< [mm^-2] 1 / sigma^2 of the scan at the nearest point
 };
 
 /// Signed distances to an oriented surface with border.
@@ -33,16 +33,12 @@ class ScanDistance {
   /// \param sigma [mm] V, standard deviations of the vertices, > 0; empty if they are equal.
   /// \param overhang [mm] how far the scan continues beyond its border.
   /// \throws InvalidInput as `opposite_half_edges`.
-  ScanDistance(const TriangleMesh& mesh, const Eigen::VectorXd& sigma, double overhang);
+  ScanDistance(TriangleMesh mesh, const Eigen::VectorXd& sigma, double overhang);
 
-  /// \param places [mm] 3 x N, finite.
-  [[nodiscard]] PlaceDistances at(const Eigen::Ref<const Eigen::Matrix3Xd>& places) const;
-  /// [mm] unsigned distances.
-  [[nodiscard]] Eigen::VectorXd unsigned_at(const Eigen::Ref<const Eigen::Matrix3Xd>& places) const;
+  /// \param place [mm] finite.
+  /// \param near the nearest triangle, and its corner if that is the nearest point.
+  [[nodiscard]] PlaceDistance at(const Eigen::Vector3d& place, NearTriangle near) const;
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
-  [[nodiscard]] const SurfaceQuery& query() const { return query_; }
-  /// Normal of a triangle, outside; zero without area.
-  [[nodiscard]] auto normal(int triangle) const { return triangle_normals_.col(triangle); }
 
  private:
   /// The direction outside at a point, and whether that is on the border.
@@ -50,13 +46,12 @@ class ScanDistance {
     Eigen::Vector3d outward = Eigen::Vector3d::Zero();  ///< any length; zero if it is unknown
     bool border = false;
   };
-  [[nodiscard]] Side side_at(const SurfacePoint& at) const;
+  [[nodiscard]] Side side_at(int triangle, const Eigen::Vector3d& barycentric) const;
 
   TriangleMesh mesh_;
-  SurfaceQuery query_;
   Eigen::Matrix3Xi opposite_;          ///< of half-edges
   Eigen::Matrix3Xd triangle_normals_;  ///< 3 x T, zero without area
-  Eigen::Matrix3Xd vertex_normals_;    ///< 3 x V, zero where they cancel
+  Eigen::Matrix3Xd vertex_normals_;    ///< 3 x V, of any length
   std::vector<bool> at_border_;        ///< of each vertex
   Eigen::VectorXd feather_;            ///< V, factor of the weight, 1 away from the border
   Eigen::VectorXd precision_;          ///< [mm^-2] V

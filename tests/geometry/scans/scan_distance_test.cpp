@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "palpate/geometry/surface_query.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -36,41 +37,40 @@ double to_cube(const Vector3d& p) {
   return q.max(0).matrix().norm() + std::min(q.maxCoeff(), 0.0);
 }
 
+/// What a scan tells about a place, with its nearest triangle.
+PlaceDistance tell(const ScanDistance& scan, const Vector3d& place) {
+  return scan.at(place, {.triangle = SurfaceQuery(scan.mesh()).closest_point(place).at.triangle});
+}
+
 TEST(ScanDistance, IsSignedAlsoAtSharpEdgesAndCorners) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-2, 2);
   Eigen::Matrix3Xd places(3, 2000);
   for (double& x : places.reshaped()) x = uniform(random);
   const ScanDistance scan(cube(), {}, 0);
-  const PlaceDistances there = scan.at(places);
-  for (Eigen::Index i = 0; i < places.cols(); ++i) {
-    EXPECT_NEAR(there.distance[i], to_cube(places.col(i)), 1e-12);
-    EXPECT_EQ(there.weight[i], 1);  // no border
-    EXPECT_EQ(there.beyond[i], 0);
+  for (const auto& place : places.colwise()) {
+    const PlaceDistance there = tell(scan, place);
+    EXPECT_NEAR(there.distance, to_cube(place), 1e-12);
+    EXPECT_EQ(there.weight, 1);  // no border
+    EXPECT_EQ(there.beyond, 0);
   }
-  const Eigen::VectorXd unsigned_there = scan.unsigned_at(places);
-  EXPECT_LT((unsigned_there - there.distance.cwiseAbs()).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 TEST(ScanDistance, ContinuesBeyondTheBorderByTheOverhang) {
   const ScanDistance scan(test::flat_sheet(10, 10, 1), {}, 0.51);
-  const Eigen::Matrix3Xd places{
-      {5, 10.4, 10.6, 10.3, 10.3}, {5, 5, 5, 10.4, 10.3}, {0.2, -0.3, 0.1, 0.7, -9}};
-  const PlaceDistances there = scan.at(places);
-  EXPECT_NEAR(there.distance[0], 0.2, 1e-12);
-  EXPECT_NEAR(there.distance[1], -0.3, 1e-12);
-  EXPECT_NEAR(there.beyond[1], 0.4, 1e-12);
-  EXPECT_EQ(there.weight[2], 0);
-  EXPECT_NEAR(there.distance[3], 0.7, 1e-12);
-  EXPECT_NEAR(there.beyond[3], 0.5, 1e-12);
-  EXPECT_NEAR(there.distance[4], -9, 1e-12);
+  EXPECT_NEAR(tell(scan, {5, 5, 0.2}).distance, 0.2, 1e-12);
+  EXPECT_NEAR(tell(scan, {10.4, 5, -0.3}).distance, -0.3, 1e-12);
+  EXPECT_NEAR(tell(scan, {10.4, 5, -0.3}).beyond, 0.4, 1e-12);
+  EXPECT_EQ(tell(scan, {10.6, 5, 0.1}).weight, 0);
+  EXPECT_NEAR(tell(scan, {10.3, 10.4, 0.7}).distance, 0.7, 1e-12);
+  EXPECT_NEAR(tell(scan, {10.3, 10.4, 0.7}).beyond, 0.5, 1e-12);
+  EXPECT_NEAR(tell(scan, {10.3, 10.3, -9}).distance, -9, 1e-12);
 }
 
 TEST(ScanDistance, WeighsLessTowardsTheBorder) {
   const ScanDistance scan(test::flat_sheet(20, 20, 1), {}, 0);
-  Eigen::Matrix3Xd places(3, 11);
-  for (int i = 0; i <= 10; ++i) places.col(i) << i, 10, 0.1;
-  const Eigen::VectorXd weight = scan.at(places).weight;
+  Eigen::VectorXd weight(11);
+  for (int i = 0; i <= 10; ++i) weight[i] = tell(scan, {static_cast<double>(i), 10, 0.1}).weight;
   EXPECT_GT(weight[1], 0);
   for (int i = 1; i < 10; ++i) EXPECT_LE(weight[i], weight[i + 1]);
   EXPECT_LT(weight[1], 0.5);
@@ -82,11 +82,11 @@ TEST(ScanDistance, HasThePrecisionOfTheNearestPoint) {
   const Eigen::VectorXd sigma =
       (sheet.vertices.row(0).transpose().array() < 10.5)
           .select(Eigen::VectorXd::Constant(sheet.vertices.cols(), 0.5), 0.25);
-  const PlaceDistances there =
-      ScanDistance(sheet, sigma, 0).at(Eigen::Matrix3Xd{{8.3, 12.2}, {9.1, 9.1}, {1, -1}});
-  EXPECT_NEAR(there.precision[0], 4, 1e-12);
-  EXPECT_NEAR(there.precision[1], 16, 1e-12);
-  EXPECT_NEAR(there.weight[1] / there.weight[0], 4, 1e-12);
+  const ScanDistance scan(sheet, sigma, 0);
+  const PlaceDistance low = tell(scan, {8.3, 9.1, 1}), high = tell(scan, {12.2, 9.1, -1});
+  EXPECT_NEAR(low.precision, 4, 1e-12);
+  EXPECT_NEAR(high.precision, 16, 1e-12);
+  EXPECT_NEAR(high.weight / low.weight, 4, 1e-12);
 }
 
 }  // namespace
