@@ -36,8 +36,11 @@ constexpr double kDamping = 1e-5;
 
 }  // namespace
 
-DeformationEquations::DeformationEquations(const DeformationGraph& graph, std::vector<int> samples)
-    : graph_(graph), samples_(std::move(samples)) {
+DeformationEquations::DeformationEquations(const DeformationGraph& graph, std::vector<int> samples,
+                                           std::size_t unit)
+    : graph_(graph),
+      samples_(std::move(samples)),
+      scale_(static_cast<double>(graph.nodes().cols()) / static_cast<double>(unit)) {
   const Eigen::Matrix2Xi& edges = graph.edges();
   const auto nodes = static_cast<std::size_t>(graph.nodes().cols());
   first_edge_.assign(nodes + 1, 0);
@@ -123,15 +126,13 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
     for (std::size_t b = 0; b < block_count; ++b) total.blocks[b] += parts[part].blocks[b];
     total.gradient += parts[part].gradient;
   }
-  // All samples together weigh as much as there are nodes.
-  const double scale = static_cast<double>(nodes) / static_cast<double>(pairs.size());
-  for (Matrix6d& block : total.blocks) block *= scale;
-  total.gradient *= scale;
+  for (Matrix6d& block : total.blocks) block *= scale_;
+  total.gradient *= scale_;
   return total;
 }
 
-/// |R_j (g_k - g_j) - (g'_k - g'_j)|^2 for both directions of each edge.
-void DeformationEquations::add_stiffness(double stiffness,
+/// |l_jk R_j (g_k - g_j) - (g'_k - g'_j)|^2 for both directions of each edge.
+void DeformationEquations::add_stiffness(double stiffness, const Eigen::VectorXd& lengths,
                                          const std::vector<Eigen::Isometry3d>& motions,
                                          Sums& sums) const {
   const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
@@ -144,7 +145,8 @@ void DeformationEquations::add_stiffness(double stiffness,
       const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(j)];
       const Eigen::Vector3d g_j = motion * graph_.nodes().col(j);
       const Eigen::Vector3d g_k = motions[static_cast<std::size_t>(k)] * graph_.nodes().col(k);
-      const Eigen::Vector3d arm = motion.linear() * (graph_.nodes().col(k) - graph_.nodes().col(j));
+      const Eigen::Vector3d arm =
+          lengths[e] * (motion.linear() * (graph_.nodes().col(k) - graph_.nodes().col(j)));
       const Eigen::Vector3d error = arm - (g_k - g_j);
       Eigen::Matrix<double, 3, kUnknowns> of_j;
       of_j << -cross_matrix(arm) / graph_.spacing(), identity;
@@ -191,10 +193,10 @@ void DeformationEquations::fill_matrix(const Sums& sums) {
 }
 
 double DeformationEquations::step(std::span<const PlanePair> pairs, double stiffness,
-                                  const Eigen::Matrix3Xd& anchors, double hold,
-                                  std::vector<Eigen::Isometry3d>& motions) {
+                                  const Eigen::VectorXd& lengths, const Eigen::Matrix3Xd& anchors,
+                                  double hold, std::vector<Eigen::Isometry3d>& motions) {
   Sums sums = sum_of_planes(pairs, motions);
-  add_stiffness(stiffness, motions, sums);
+  add_stiffness(stiffness, lengths, motions, sums);
   add_anchors(kAnchor * stiffness, anchors, motions, sums);
   if (hold > 0) add_anchors(hold, graph_.nodes(), motions, sums);
   fill_matrix(sums);

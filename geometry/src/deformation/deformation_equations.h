@@ -14,28 +14,30 @@ namespace palpate::geometry {
 
 /// A vertex attracted to a plane.
 struct PlanePair {
-  Eigen::Vector3d normal;  ///< unit
-  double distance;         ///< [mm] of the vertex above the plane
-  double weight;           ///< >= 0; 0 if unused
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, unless the distance is not a length
+  double distance = 0;                               ///< [mm] of the vertex above the plane
+  double weight = 0;                                 ///< >= 0; 0 if unused
 };
 
 /// Gauss-Newton steps for the motions of a graph's nodes. The sparsity pattern follows from the
 /// graph's edges and is analysed once.
 class DeformationEquations {
  public:
-  /// \param samples  vertices that can be attracted to planes
-  DeformationEquations(const DeformationGraph& graph, std::vector<int> samples);
+  /// \param samples  vertices that can be attracted to planes; one may appear several times
+  /// \param unit  number of samples of weight 1 that together weigh as much as the number of nodes
+  DeformationEquations(const DeformationGraph& graph, std::vector<int> samples, std::size_t unit);
 
   [[nodiscard]] std::span<const int> samples() const { return samples_; }
 
-  /// Moves the nodes by one step. `pairs`: one per sample. The weights of the planes are normalised
-  /// so that all samples together would weigh as much as the number of nodes. Returns the largest
+  /// Moves the nodes by one step. `pairs`: one per sample. Returns the largest
   /// motion of a node [mm], with rotations measured at the spacing of the nodes.
   /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
+  /// \param lengths  of the links at rest, relative to the undeformed ones (see `link_lengths`)
   /// \param hold  with which nodes are held where they are in the graph
-  double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::Matrix3Xd& anchors,
-              double hold, std::vector<Eigen::Isometry3d>& motions);
+  double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::VectorXd& lengths,
+              const Eigen::Matrix3Xd& anchors, double hold,
+              std::vector<Eigen::Isometry3d>& motions);
 
  private:
   using Vector6d = Eigen::Vector<double, 6>;
@@ -48,14 +50,15 @@ class DeformationEquations {
 
   [[nodiscard]] Sums sum_of_planes(std::span<const PlanePair> pairs,
                                    const std::vector<Eigen::Isometry3d>& motions) const;
-  void add_stiffness(double stiffness, const std::vector<Eigen::Isometry3d>& motions,
-                     Sums& sums) const;
+  void add_stiffness(double stiffness, const Eigen::VectorXd& lengths,
+                     const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
   void add_anchors(double weight, const Eigen::Matrix3Xd& anchors,
                    const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
   void fill_matrix(const Sums& sums);
 
   const DeformationGraph& graph_;
   std::vector<int> samples_;
+  double scale_;                        ///< of the weights
   std::vector<int> pair_blocks_;        ///< the blocks (i, j), i < j, of each sample, consecutively
   std::vector<int> first_edge_;         ///< N + 1, start of each node's edges to higher nodes
   Eigen::SparseMatrix<double> matrix_;  ///< lower triangle

@@ -6,10 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "base/numbers.h"
 #include "deformation/deformation_equations.h"
+#include "deformation/intensity_pairs.h"
+#include "deformation/link_lengths.h"
 #include "deformation/measured_surface.h"
 #include "deformation/slippage.h"
 #include "palpate/core/error.h"
@@ -53,7 +56,7 @@ struct Association {
   VertexSight sight = VertexSight::outside;
   int pixel = -1;
   MeasuredPlane plane;
-  PlanePair pair{.normal = Eigen::Vector3d::Zero(), .distance = 0, .weight = 0};
+  PlanePair pair;
 };
 
 Association associate(const MeasuredSurface& surface, const Eigen::Vector3d& vertex,
@@ -181,9 +184,20 @@ void check_known(const DeformationGraph& graph, std::span<const KnownVertex> kno
   }
 }
 
-/// The samples, and then each known vertex three times: it is attracted to a plane across each
-/// axis.
-std::vector<int> with_known(std::vector<int> samples, std::span<const KnownVertex> known) {
+void check_intensities(const DeformationGraph& graph, const SeenIntensities& intensities) {
+  if (intensities.image.size() > 0 && intensities.vertices.cols() != graph.mesh().vertices.cols()) {
+    throw InvalidInput("register_deformed: " + std::to_string(intensities.vertices.cols()) +
+                       " vertices have intensities, and the surface has " +
+                       std::to_string(graph.mesh().vertices.cols()) + " vertices");
+  }
+}
+
+/// The samples; the same again for their intensities, if there is an image; and then each known
+/// vertex three times: it is attracted to a plane across each axis.
+std::vector<int> all_attracted(std::vector<int> samples, bool has_image,
+                               std::span<const KnownVertex> known) {
+  const std::vector<int> seen = samples;
+  if (has_image) samples.insert(samples.end(), seen.begin(), seen.end());
   for (const KnownVertex& one : known) samples.insert(samples.end(), 3, one.vertex);
   return samples;
 }
@@ -191,7 +205,8 @@ std::vector<int> with_known(std::vector<int> samples, std::span<const KnownVerte
 class Fit {
  public:
   Fit(const DeformationGraph& graph, const RangeMap& map, const NonRigidOptions& options,
-      std::vector<Eigen::Isometry3d> start, std::span<const KnownVertex> known)
+      std::vector<Eigen::Isometry3d> start, std::span<const KnownVertex> known,
+      const SeenIntensities& intensities)
       : graph_(graph),
         options_(options),
         steps_(options.progress, options.max_iterations + 1),
@@ -199,7 +214,10 @@ class Fit {
         surface_(map),
         known_(known),
         samples_(choose_samples(graph)),
-        equations_(graph, with_known(samples_, known)) {
+        intensities_(intensities.vertices),
+        equations_(graph, all_attracted(samples_, intensities.image.size() > 0, known),
+                   samples_.size()) {
+    if (intensities.image.size() > 0) images_.emplace(map.camera, intensities.image);
     result_.node_motions = std::move(start);
   }
 
@@ -224,7 +242,7 @@ class Fit {
     std::vector<int> pixels(samples_.size(), -1);
     Eigen::Matrix3Xd anchors = places_of_nodes();
     while (result_.iterations < options_.max_iterations) {
-      if (draw(gate(level), pixels, pairs) < kMinPairs) {
+      if (draw(level, pixels, pairs) < kMinPairs) {
         result_.stop = NonRigidStop::no_overlap;
         return;
       }
@@ -232,7 +250,8 @@ class Fit {
       const double stiffness =
           options_.stiffness * (is_tracked ? 1 : between(kStiffStart, 1, level));
       const double move =
-          equations_.step(pairs, stiffness, anchors, options_.hold, result_.node_motions);
+          equations_.step(pairs, stiffness, link_lengths(graph_, result_.node_motions), anchors,
+                          options_.hold, result_.node_motions);
       ++result_.iterations;
       steps_.tell();
       ++steps_of_level;
@@ -263,7 +282,9 @@ class Fit {
 
   /// Pairs the samples with the map; returns how many found a plane. Keeps each sample's pixel if
   /// possible, because noise that changes from pixel to pixel prevents convergence.
-  long draw(const Gate& limit, std::vector<int>& pixels, std::vector<PlanePair>& pairs) const {
+  long draw(int level, std::vector<int>& pixels, std::vector<PlanePair>& pairs) const {
+    const Gate limit = gate(level);
+    std::vector<IntensitySample> places(samples_.size());
     parallel_for(samples_.size(), [&](std::size_t s) {
       const PlacedVertex placed = place(graph_, result_.node_motions, samples_[s]);
       const Association found =
@@ -271,17 +292,30 @@ class Fit {
       pixels[s] = found.pixel;
       pairs[s] = found.pair;
       if (found.plane.at_border) pairs[s].weight = 0;
+      places[s] = {samples_[s], placed.position, found.pair.distance, pairs[s].weight > 0};
     });
     const auto found = std::ranges::count_if(std::span(pairs).first(samples_.size()),
                                              [](const PlanePair& pair) { return pair.weight > 0; });
-    attract_known(std::span(pairs).subspan(samples_.size()));
+    std::size_t end = samples_.size();
+    if (images_) {
+      std::ranges::copy(attract_intensities(level, places),
+                        pairs.begin() + static_cast<std::ptrdiff_t>(end));
+      end += samples_.size();
+    }
+    attract_known(std::span(pairs).subspan(end));
     return found;
+  }
+
+  [[nodiscard]] std::vector<PlanePair> attract_intensities(
+      int level, std::span<const IntensitySample> places) const {
+    const int blur = std::max(kIntensityBlurs - kLevels + level, 0);
+    return intensity_pairs(graph_, *images_, intensities_, blur, places);
   }
 
   /// \param pairs three for each known vertex
   void attract_known(std::span<PlanePair> pairs) const {
-    const double weight = kKnown * static_cast<double>(equations_.samples().size()) /
-                          static_cast<double>(graph_.nodes().cols());
+    const double weight =
+        kKnown * static_cast<double>(samples_.size()) / static_cast<double>(graph_.nodes().cols());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const KnownVertex& one = known_[i / 3];
       const auto axis = static_cast<Eigen::Index>(i % 3);
@@ -295,13 +329,19 @@ class Fit {
   [[nodiscard]] std::vector<SeenSample> seen_samples() const {
     const Gate last = gate(kLevels - 1);
     std::vector<SeenSample> samples(samples_.size());
+    std::vector<IntensitySample> places(samples_.size());
     parallel_for(samples.size(), [&](std::size_t s) {
       const int vertex = samples_[s];
       const PlacedVertex placed = place(graph_, result_.node_motions, vertex);
       const Association found = associate(surface_, placed.position, placed.normal, last);
-      samples[s] = {vertex, placed.position, placed.normal, found.pair};
+      samples[s] = {vertex, placed.position, placed.normal, found.pair, {}};
       if (found.plane.at_border) samples[s].pair.weight = 0;
+      places[s] = {vertex, placed.position, found.pair.distance, samples[s].pair.weight > 0};
     });
+    if (images_) {
+      const std::vector<PlanePair> pairs = attract_intensities(kLevels - 1, places);
+      for (std::size_t s = 0; s < samples.size(); ++s) samples[s].intensity = pairs[s];
+    }
     return samples;
   }
 
@@ -347,7 +387,9 @@ class Fit {
   MeasuredSurface surface_;
   std::span<const KnownVertex> known_;
   std::vector<int> samples_;
-  DeformationEquations equations_;  // of the samples, then of the known vertices
+  const VertexIntensities& intensities_;
+  std::optional<BlurredImages> images_;  // with an image only
+  DeformationEquations equations_;       // of `all_attracted`
   DeformedSurface result_;
 };
 
@@ -356,10 +398,12 @@ class Fit {
 DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
                                   const NonRigidOptions& options,
                                   std::span<const Eigen::Isometry3d> start,
-                                  std::span<const KnownVertex> known) {
+                                  std::span<const KnownVertex> known,
+                                  const SeenIntensities& intensities) {
   check_options(options);
   check_known(graph, known);
-  Fit fit(graph, map, options, check_start(graph, start), known);
+  check_intensities(graph, intensities);
+  Fit fit(graph, map, options, check_start(graph, start), known, intensities);
   return fit.run(!start.empty());
 }
 

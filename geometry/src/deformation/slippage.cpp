@@ -66,6 +66,10 @@ std::vector<Moments> moments_of_nodes(const DeformationGraph& graph,
     const Matrix6d both = weight * plane * surface.transpose();
     sum.surface += (both + both.transpose()) / 2;
     sum.normal += weight * sample.normal;
+    const Vector6d intensity = change(arm, sample.intensity.normal, graph.spacing());
+    const Matrix6d squared = scale * sample.intensity.weight * intensity * intensity.transpose();
+    sum.planes += squared;
+    sum.surface += squared;
   }
   return moments;
 }

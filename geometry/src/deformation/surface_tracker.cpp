@@ -149,11 +149,14 @@ void SurfaceTracker::start_from(std::vector<Eigen::Isometry3d> node_motions) {
   motions_ = std::move(node_motions);
 }
 
-TrackedSurface SurfaceTracker::track(const RangeMap& map, std::span<const KnownVertex> known) {
+TrackedSurface SurfaceTracker::track(const RangeMap& map, std::span<const KnownVertex> known,
+                                     const ImageF& image) {
+  const bool has_texture = image.size() > 0 && intensities_.cols() > 0;
   TrackedSurface found{
       .surface = register_deformed(
           graph_, map, registration_options(options_),
-          options_.from_reference ? std::span<const Eigen::Isometry3d>() : motions_, known),
+          options_.from_reference ? std::span<const Eigen::Isometry3d>() : motions_, known,
+          has_texture ? SeenIntensities{image, intensities_} : SeenIntensities()),
       .confidence = {},
       .figures = {},
       .lost = {}};
@@ -162,7 +165,10 @@ TrackedSurface SurfaceTracker::track(const RangeMap& map, std::span<const KnownV
       figures_of(found, graph_.mesh().triangles,
                  has_start() ? deformed_vertices(graph_, motions_) : graph_.mesh().vertices);
   found.lost = loss(found.figures, options_, !has_start());
-  if (found.lost.empty()) motions_ = found.surface.node_motions;
+  if (!found.lost.empty()) return found;
+  motions_ = found.surface.node_motions;
+  if (image.size() > 0 && !has_texture)
+    intensities_ = vertex_intensities(map.camera, image, found.surface);
   return found;
 }
 

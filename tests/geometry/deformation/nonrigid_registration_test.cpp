@@ -284,6 +284,60 @@ TEST(RegisterDeformed, KnowsWhereNothingShowsMotionsAlongTheSurface) {
   }
 }
 
+/// Intensities of a plane z = 700 mm that has moved along itself, under a light that falls off to
+/// one side.
+ImageF texture_of_plane(const Camera& camera, const Eigen::Vector2d& shift, double light) {
+  const Eigen::Matrix2Xd rays = pixel_rays(camera);
+  ImageF image(camera.height, camera.width);
+  for (Eigen::Index i = 0; i < rays.cols(); ++i) {
+    const Eigen::Vector2d seen = 700 * rays.col(i), p = seen - shift;
+    const double albedo = 100 + 25 * std::sin(p.x() / 1.7 + 0.4 * p.y()) +
+                          25 * std::sin(p.y() / 1.9 - 0.3 * p.x() + 1);
+    image(i / camera.width, i % camera.width) =
+        static_cast<float>(light * albedo * (1 + 0.003 * seen.x()) + 20 * (light - 1));
+  }
+  return image;
+}
+
+TEST(RegisterDeformed, FollowsATextureWhereDepthsShowNothing) {
+  const TriangleMesh rest = PressedPlane().rest;
+  const Eigen::Vector2d shift(1.6, -1.1);
+  TriangleMesh moved = rest;
+  moved.vertices.topRows<2>().colwise() += shift;
+  const Camera camera{.width = 200, .height = 200, .fx = 1000, .fy = 1000, .cx = 99.5, .cy = 99.5};
+  RangeMap before = test::render(rest, camera), after = test::render(moved, camera);
+  test::add_noise(before, 0.3, 1);
+  test::add_noise(after, 0.3, 2);
+  const DeformationGraph graph(rest, {.nodes = 250});
+  // Where the first frame puts the vertices along the plane is as good as any.
+  const DeformedSurface start = register_deformed(graph, before);
+  Matrix3Xd truth = start.vertices;
+  truth.topRows<2>().colwise() += shift;
+  SeenIntensities seen{.image = texture_of_plane(camera, shift, 1.4),
+                       .vertices = vertex_intensities(
+                           camera, texture_of_plane(camera, Eigen::Vector2d::Zero(), 1), start)};
+  const DeformedSurface blind = register_deformed(graph, after, {}, start.node_motions),
+                        found = register_deformed(graph, after, {}, start.node_motions, {}, seen);
+  const std::vector<bool> visible = test::visible(moved.vertices, moved, after);
+  EXPECT_GT(errors(blind.vertices, truth, visible).median, 1);
+  EXPECT_LT(errors(found.vertices, truth, visible).median, 0.2);
+  EXPECT_LT(median_along(blind), 0.1);
+  EXPECT_GT(median_along(found), 0.5);
+
+  // An image that has nothing to do with the surface tells nothing.
+  test::add_noise(before, 20, 3);
+  seen.image = before.z;
+  EXPECT_LT(median_along(register_deformed(graph, after, {}, start.node_motions, {}, seen)), 0.1);
+  seen.image = ImageF::Zero(3, 4);
+  EXPECT_THROWS_MESSAGE(
+      static_cast<void>(register_deformed(graph, after, {}, start.node_motions, {}, seen)),
+      InvalidInput, "the intensities are 4 x 3 px");
+  seen.vertices.conservativeResize(Eigen::NoChange, 7);
+  EXPECT_THROWS_MESSAGE(
+      static_cast<void>(register_deformed(graph, after, {}, start.node_motions, {}, seen)),
+      InvalidInput, "7 vertices have intensities");
+}
+
 TEST(RegisterDeformed, StaysOnAPlateWhereNothingShowsAShift) {
   // Sliding cannot be seen; it must not be invented either.
   TriangleMesh plate = rest_mesh();

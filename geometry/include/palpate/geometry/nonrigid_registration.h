@@ -20,6 +20,21 @@ struct KnownVertex {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< [mm] camera frame
 };
 
+/// An image is blurred by this many standard deviations, to follow a surface from far and then
+/// exactly.
+inline constexpr int kIntensityBlurs = 3;
+
+/// Intensities of the vertices of a surface, for each blur of an image; NaN where unknown.
+using VertexIntensities = Eigen::Matrix<float, kIntensityBlurs, Eigen::Dynamic>;
+
+/// What the camera of a range map sees beside its depths.
+struct SeenIntensities {
+  /// Intensity of each pixel of the range map in any unit; NaN where unknown. Empty if there is
+  /// none.
+  ImageF image;
+  VertexIntensities vertices;  ///< V columns, of an earlier frame (see `vertex_intensities`)
+};
+
 struct NonRigidOptions {
   int max_iterations = 60;  ///< >= 1
   /// Initial gate: a vertex is attracted to the measured surface iff its distance from it is at
@@ -76,7 +91,7 @@ struct DeformedSurface {
   Eigen::VectorXd confidence;
   /// V, in [0, 1]: how far the map, rather than the stiffness, determines where a vertex lies along
   /// the surface; 0 on a plane, a sphere or a cylinder, which may slide in themselves, and high
-  /// where there is relief within a few nodes.
+  /// where there is relief or texture within a few nodes.
   Eigen::VectorXd along;
   double rms = 0;      ///< [mm] root mean square of `distance` where seen; NaN if no vertex is
   double matched = 0;  ///< fraction seen of those before which something was measured
@@ -88,29 +103,44 @@ struct DeformedSurface {
 /// Deforms a surface so that it lies on a range map in the same camera frame, by embedded
 /// deformation: Gauss-Newton steps that minimise
 ///
-///     sum_v  rho(n . (v' - p))  +  stiffness  sum_jk  | R_j (g_k - g_j) - (g'_k - g'_j) |^2
+///     sum_v  rho(n . (v' - p))  +  stiffness  sum_jk  | l_jk R_j (g_k - g_j) - (g'_k - g'_j) |^2
 ///
 /// where p and n are point and normal of the pixel that shows v' (projective association, with lens
-/// distortion), rho is Tukey's biweight at the correspondence gate, g are nodes and R_j their
-/// rotations. Stiffness and gate start high and decrease, so that the surface first moves as a
-/// whole. Where nothing is measured, the surface follows its neighbours as rigidly as possible;
-/// parts without any constraint stay. There is no point-to-point term: along a pixel's ray it would
-/// repeat the plane term, and it would slow sliding, which the damping of the steps already limits.
-/// With `hold`, hold sum_j |g'_j - g_j|^2 is added; known vertices add |v' - place|^2, with ten
-/// times the weight of the measured points around a node.
+/// distortion), rho is Tukey's biweight at the correspondence gate, g are nodes, R_j their
+/// rotations, and l_jk >= 1 makes up for the angle between R_j and R_k, so that bending does not
+/// shrink the surface. Stiffness and gate start high and decrease, so that the surface first moves
+/// as a whole. Where nothing is measured, the surface follows its neighbours as rigidly as
+/// possible; parts without any constraint stay. There is no point-to-point term: along a pixel's
+/// ray it would repeat the plane term, and it would slow sliding, which the damping of the steps
+/// already limits. With `hold`, hold sum_j |g'_j - g_j|^2 is added; known vertices add |v' -
+/// place|^2, with ten times the weight of the measured points around a node.
 ///
-/// Motion along the surface is visible only in its relief: on a plane or a sphere the result is the
-/// motion of least distortion, not the true one. `DeformedSurface::along` tells where.
+/// With intensities, rho_I(I(v') - a T_v - b) (s_n / s_I)^2 is added, where I is the image at v',
+/// T_v the intensity of the vertex in the earlier frame, s_n and s_I are the deviations of both
+/// kinds of residuals, and the gain a and the offset b are fitted around each node, as light
+/// changes. The image is blurred less from level to level.
+///
+/// Motion along the surface is visible only in its relief and its texture: on a plane or a sphere
+/// the result is the motion of least distortion, not the true one. `DeformedSurface::along` tells
+/// where.
 /// \param start node motions of an earlier frame. The surface continues from there without initial
 /// stiffness, and can move by up to max_correspondence (min_correspondence /
 /// max_correspondence)^0.6, a third of `max_correspondence` by default. Without `start` the search
 /// starts undeformed.
 /// \throws InvalidInput if the camera or an option is not valid, a known vertex does not exist or is
-/// not at a finite place, or the start belongs to another graph.
+/// not at a finite place, the start or the intensities of the vertices belong to another graph, or
+/// the image has not the size of the map.
 /// \throws SolverError if the equations of a step cannot be solved.
 [[nodiscard]] DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
                                                 const NonRigidOptions& options = {},
                                                 std::span<const Eigen::Isometry3d> start = {},
-                                                std::span<const KnownVertex> known = {});
+                                                std::span<const KnownVertex> known = {},
+                                                const SeenIntensities& intensities = {});
+
+/// Intensities of the vertices that an image shows, for the next frames.
+/// \param surface as it was found in this frame
+/// \throws InvalidInput unless the camera is valid and the image of its size.
+[[nodiscard]] VertexIntensities vertex_intensities(const Camera& camera, const ImageF& image,
+                                                   const DeformedSurface& surface);
 
 }  // namespace palpate::geometry

@@ -75,13 +75,19 @@ class SurfaceTracker {
 
   /// Finds the surface in a range map. If it is lost, the next frame starts where this one did.
   /// \param known vertices whose places are known otherwise.
-  /// \throws InvalidInput if the camera or a known vertex is not valid.
-  TrackedSurface track(const RangeMap& map, std::span<const KnownVertex> known = {});
+  /// \param image intensity of each pixel in any unit, NaN where unknown; empty if there is none.
+  /// The first frame that is found with one tells the texture of the surface, by which later frames
+  /// show how it moves along itself.
+  /// \throws InvalidInput if the camera or a known vertex is not valid, or the image has not the
+  /// size of the map.
+  TrackedSurface track(const RangeMap& map, std::span<const KnownVertex> known = {},
+                       const ImageF& image = {});
 
  private:
   TrackingOptions options_;
   DeformationGraph graph_;
   std::vector<Eigen::Isometry3d> motions_;
+  VertexIntensities intensities_;  ///< no columns before a frame with an image was found
 };
 
 }  // namespace palpate::geometry

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "deformation/deformation_equations.h"
+#include "palpate/geometry/deformation_graph.h"
+#include "palpate/geometry/nonrigid_registration.h"
+
+namespace palpate::geometry {
+
+/// An intensity in a blurred image, and its derivative.
+struct IntensityAt {
+  double value;              ///< NaN where unknown
+  Eigen::Vector3d gradient;  ///< [1/mm] with respect to the point
+};
+
+/// An image, blurred by each of kIntensityBlurs.
+class BlurredImages {
+ public:
+  /// \throws InvalidInput unless the camera is valid and the image of its size.
+  BlurredImages(const Camera& camera, const ImageF& image);
+
+  /// What the image shows of a point.
+  /// \param blur index of kIntensityBlurs
+  [[nodiscard]] IntensityAt at(const Eigen::Vector3d& point, int blur) const;
+
+ private:
+  Camera camera_;
+  std::vector<ImageF> images_;
+};
+
+/// A vertex of the deformed surface.
+struct IntensitySample {
+  int vertex = 0;
+  Eigen::Vector3d place;  ///< [mm]
+  double distance = 0;    ///< [mm] from the measured plane
+  bool is_seen = false;
+};
+
+/// Pairs that move samples to where the image shows their intensity: the derivative of the image in
+/// the place of the plane's normal, and the difference of intensities, I - (a T + b), in that of
+/// the distance. The gain a and the offset b are fitted around each node, so that light may change
+/// from frame to frame and from place to place. A pair weighs, relative to one of a plane, the
+/// ratio of the variances of both kinds of residuals; Tukey's biweight; and the share of the
+/// variance of I that a T explains, which is about 0 where the image shows only noise.
+/// \param reference T, of each vertex, for the blurs
+[[nodiscard]] std::vector<PlanePair> intensity_pairs(const DeformationGraph& graph,
+                                                     const BlurredImages& images,
+                                                     const VertexIntensities& reference, int blur,
+                                                     std::span<const IntensitySample> samples);
+
+}  // namespace palpate::geometry
