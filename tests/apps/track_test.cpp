@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/core/mat.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "palpate/sensing/frame.h"
 #include "range_map_scene.h"
 #include "run_palpate.h"
 
@@ -240,6 +242,62 @@ TEST_F(Track, AResumedRunGivesWhatAnUninterruptedRunGives) {
   EXPECT_EQ(again.status, kWorkFailed);
   EXPECT_EQ(json::parse(again.out)["kept"], kFrames);
   EXPECT_EQ(content(scratch / "meshes"), content(scratch / "whole"));
+}
+
+/// A plate of 160 x 120 mm at 700 mm that shows no relief, moves along itself by 1 mm a frame, and
+/// has a texture.
+TEST_F(Track, FollowsTheTextureOfPicturesBesideTheDepths) {
+  const geometry::Camera camera = scene::bumpy_camera(kWidth);
+  const Eigen::Matrix2Xd rays = geometry::pixel_rays(camera);
+  fs::create_directory(scratch / "plate");
+  fs::create_directory(scratch / "color");
+  write_text(scratch / "plate/rig.yaml", rig_text(camera));
+  for (int frame = 0; frame < 4; ++frame) {
+    geometry::ImageF depth(camera.height, camera.width);
+    cv::Mat picture(camera.height, camera.width, CV_8UC3);
+    for (Eigen::Index i = 0; i < rays.cols(); ++i) {
+      const double x = 700 * rays(0, i) - frame, y = 700 * rays(1, i);
+      const int row = static_cast<int>(i) / camera.width, col = static_cast<int>(i) % camera.width;
+      const bool is_plate = std::abs(x) < 80 && std::abs(y) < 60;
+      depth(row, col) = is_plate ? 700 : std::numeric_limits<float>::quiet_NaN();
+      const auto grey = static_cast<unsigned char>(
+          128 + 50 * std::sin(x / 4 + 0.3 * std::cos(y / 9)) + 50 * std::sin(y / 3.3 - 0.2 * x));
+      picture.at<cv::Vec3b>(row, col) = {grey, grey, grey};
+    }
+    geometry::write_depth_tiff(scratch / ("plate/" + name(frame, ".tiff")), depth);
+    sensing::write_png(scratch / ("color/" + name(frame, ".png")), picture);
+  }
+  const auto moved_by = [&](const std::string& output) {
+    const Eigen::Matrix3Xd first = geometry::read_mesh(scratch / (output + "/000000.ply")).vertices,
+                           last = geometry::read_mesh(scratch / (output + "/000003.ply")).vertices;
+    return Vector3d((last - first).rowwise().mean());
+  };
+  const auto run = [&](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"track",          scratch / "plate", "-o",
+                                      scratch / output, "--nodes",         "100"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_palpate(words);
+  };
+  const CommandResult blind = run("blind", {});
+  ASSERT_EQ(blind.status, kDone) << blind.err;
+  EXPECT_NE(blind.err.find("--color-images"), std::string::npos) << blind.err;
+  EXPECT_LT(moved_by("blind").norm(), 1.5);
+  const CommandResult seeing = run("seeing", {"--color-images", scratch / "color"});
+  ASSERT_EQ(seeing.status, kDone) << seeing.err;
+  EXPECT_LT((moved_by("seeing") - Vector3d(3, 0, 0)).norm(), 0.2);
+
+  // A resumed run takes the texture from the same frame.
+  const auto whole = content(scratch / "seeing");
+  std::string record = read_text(scratch / "seeing/track.jsonl");
+  record.erase(record.rfind('\n', record.size() - 2) + 1);
+  write_text(scratch / "seeing/track.jsonl", record);
+  ASSERT_EQ(run("seeing", {"--color-images", scratch / "color", "--resume"}).status, kDone);
+  EXPECT_EQ(content(scratch / "seeing"), whole);
+
+  fs::remove(scratch / "color/000002.png");
+  const CommandResult missing = run("missing", {"--color-images", scratch / "color"});
+  EXPECT_EQ(missing.status, kWrongCall);
+  EXPECT_NE(missing.err.find("has no picture of 000002.tiff"), std::string::npos) << missing.err;
 }
 
 TEST_F(Track, AnEarlierRunStaysAsAWholeUntilAnotherOneIsComplete) {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <string>
+
 #include "palpate/core/error.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/rig.h"
@@ -30,6 +32,37 @@ geometry::Attributes colors_beside(const std::filesystem::path& range_map,
                     seen_by.height));
   }
   return colors_of(vertices, seen_by, color);
+}
+
+geometry::ImageF intensities_in(const std::filesystem::path& folder,
+                                const std::filesystem::path& range_map,
+                                const geometry::Camera& camera) {
+  const std::string name = range_map.stem().string();
+  for (const char* ending : {"_color.png", ".png", ".jpg", ".tiff"}) {
+    const std::filesystem::path file = folder / (name + ending);
+    if (!is_there(file) || std::filesystem::equivalent(file, range_map)) continue;
+    cv::Mat picture;
+    sensing::read_frame(file).convertTo(picture, CV_32F);
+    if (picture.cols != camera.width || picture.rows != camera.height) {
+      throw FileError(
+          fmt::format("{}: is {} x {} px; the size of the range map, {} x {} px, is "
+                      "expected",
+                      file.string(), picture.cols, picture.rows, camera.width, camera.height));
+    }
+    const int channels = picture.channels();
+    geometry::ImageF intensities = geometry::ImageF::Zero(picture.rows, picture.cols);
+    for (int row = 0; row < picture.rows; ++row) {
+      for (int column = 0; column < picture.cols; ++column) {
+        const float* pixel = picture.ptr<float>(row) + channels * column;
+        for (int i = 0; i < channels; ++i)
+          intensities(row, column) += pixel[i] / static_cast<float>(channels);
+      }
+    }
+    return intensities;
+  }
+  throw FileError(fmt::format("{}: has no picture of {} ({}_color.png, {}.png, {}.jpg or {}.tiff)",
+                              folder.string(), range_map.filename().string(), name, name, name,
+                              name));
 }
 
 }  // namespace palpate::apps

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -16,5 +17,13 @@ namespace palpate::apps {
 [[nodiscard]] geometry::Attributes colors_beside(const std::filesystem::path& range_map,
                                                  const Eigen::Matrix3Xd& vertices,
                                                  const MapCamera& camera);
+
+/// Intensities of a range map's pixels, from the picture of the same name in a folder:
+/// NAME_color.png, as `decode --surface-color` writes it, or NAME.png, NAME.jpg or NAME.tiff, which
+/// is not the range map itself. Of colours, the mean of the channels.
+/// \throws FileError if there is none, or if it has not the size of the range map.
+[[nodiscard]] geometry::ImageF intensities_in(const std::filesystem::path& folder,
+                                              const std::filesystem::path& range_map,
+                                              const geometry::Camera& camera);
 
 }  // namespace palpate::apps

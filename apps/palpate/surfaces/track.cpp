@@ -19,6 +19,7 @@
 #include "palpate/geometry/surface_tracker.h"
 #include "palpate/pictures/draw_distances.h"
 #include "shared/call_checks.h"
+#include "shared/color_picture.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/fingerprint.h"
@@ -41,7 +42,8 @@ constexpr double kHeld = 0.003;
 
 struct TrackCall {
   fs::path input, reference, acquisition, output;
-  fs::path place;  ///< where this run writes, for `output`
+  fs::path color_images;  ///< folder; empty: depths alone
+  fs::path place;         ///< where this run writes, for `output`
   MapCamera camera;
   std::string format = "ply";
   geometry::ReadOptions meshes;
@@ -106,6 +108,7 @@ nlohmann::ordered_json settings_of(TrackCall call, const fs::path& reference,
       {"version", PALPATE_VERSION},
       {"--reference", fingerprint(reference)},
       {"--acquisition", call.acquisition.empty() ? "" : fingerprint(call.acquisition)},
+      {"--color-images", call.color_images.string()},
       {"--unit", call.meshes.unit.value_or(0)},
       {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
       {"--scale", call.camera.scale.value_or(0)},
@@ -168,6 +171,13 @@ struct FrameResult {
   geometry::TrackedSurface found;
 };
 
+/// The image to follow the texture in; empty if none is used.
+geometry::ImageF image_of(const TrackCall& call, const fs::path& file,
+                          const geometry::Camera& camera) {
+  if (call.color_images.empty()) return {};
+  return intensities_in(call.color_images, file, camera);
+}
+
 /// \throws InvalidInput if the first surface that was measured is not where the reference lies.
 FrameResult track_one(const TrackCall& call, const Reference& reference, const ToolPlaces& tool,
                       const fs::path& file, geometry::SurfaceTracker& tracker) {
@@ -185,7 +195,8 @@ FrameResult track_one(const TrackCall& call, const Reference& reference, const T
     return lost(error.what());
   }
   if (!(map.z > 0).any()) return lost(file.string() + ": no pixel has a depth");
-  geometry::TrackedSurface found = tracker.track(map, tool.in(file));
+  geometry::TrackedSurface found =
+      tracker.track(map, tool.in(file), image_of(call, file, map.camera));
   if (found.lost.empty()) {
     const TrackedFrame frame{.range_map = file.filename().string(),
                              .fingerprint = fingerprint(file),
@@ -212,8 +223,14 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
   for (const TrackedFrame& frame : tracking.frames) {
     if (!frame.lost.empty()) spdlog::error("{}", frame.lost);
   }
-  const auto last = std::find_if(tracking.frames.rbegin(), tracking.frames.rend(),
-                                 [](const TrackedFrame& frame) { return frame.lost.empty(); });
+  const auto is_found = [](const TrackedFrame& frame) { return frame.lost.empty(); };
+  const auto first = std::ranges::find_if(tracking.frames, is_found);
+  if (first != tracking.frames.end() && !call.color_images.empty()) {
+    // It tells the texture.
+    const auto index = static_cast<std::size_t>(first - tracking.frames.begin());
+    (void)track_one(call, reference, tool, maps[index], tracker);
+  }
+  const auto last = std::find_if(tracking.frames.rbegin(), tracking.frames.rend(), is_found);
   if (last != tracking.frames.rend())
     tracker.start_from(
         read_node_motions(nodes_file(call, last->range_map), tracker.graph().nodes().cols()));
@@ -229,16 +246,16 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
     const fs::path& file = maps[tracking.frames.size()];
     const FrameResult result = track_one(call, reference, tool, file, tracker);
     tracking.frames.push_back(result.frame);
-    const bool is_found = result.frame.lost.empty();
+    const bool was_found = result.frame.lost.empty();
     // Before a frame is found nothing is written: the call may be wrong.
     if (tracker.has_start()) {
       if (tracking.recorded == tracking.kept) folder.begin();
       record.begin();
-      if (is_found) write(call, file, tracker.graph(), result.found);
+      if (was_found) write(call, file, tracker.graph(), result.found);
       for (; tracking.recorded < tracking.frames.size(); ++tracking.recorded)
         record.add(tracking.frames[tracking.recorded]);
     }
-    if (is_found) {
+    if (was_found) {
       const geometry::TrackingFigures& figures = result.frame.figures;
       spdlog::info("{}: RMS {:.3f} mm, {:.1f} % of the vertices measured, {} iterations{}",
                    file.string(), figures.rms, 100 * figures.measured, figures.iterations,
@@ -250,14 +267,18 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
 }
 
 /// Warns if the range maps hardly show how the surface moves along itself.
-void doubt_motion_along(double confidence) {
+void doubt_motion_along(double confidence, bool has_images) {
   constexpr double kSure = 0.3;  // smooth surfaces have less than 0.2, clear relief 0.5 and more
   if (confidence >= kSure) return;
   spdlog::warn(
       "the surface follows the range maps, but they hardly show how it moves along itself "
-      "(confidence {:.2f} in the median): there is too little relief, or too much noise. Vertices "
-      "move along it with the least distortion, and need not stay at the same point of the object",
-      confidence);
+      "(confidence {:.2f} in the median): there is too little relief or texture, or too much "
+      "noise. "
+      "Vertices move along it with the least distortion, and need not stay at the same point of "
+      "the "
+      "object{}",
+      confidence,
+      has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
 }
 
 void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
@@ -291,7 +312,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
   }
   const geometry::ErrorStatistics of_rms = geometry::error_statistics(rms);
   const double sure = geometry::error_statistics(confidence).median;
-  doubt_motion_along(sure);
+  doubt_motion_along(sure, !call.color_images.empty());
   const double done = static_cast<double>(tracking.frames.size() - tracking.kept);
   print(settings,
         {{"range_maps", tracking.frames.size()},
@@ -366,6 +387,11 @@ void add_track(CLI::App& app, const Settings& settings) {
       "--reference", call->reference,
       "Mesh, range map or depth image of the surface to track, at its pose in the first frame "
       "(default: the first range map)");
+  command->add_option(
+      "--color-images", call->color_images,
+      "Folder of colour or grey images that are aligned with the depths, to follow the texture of "
+      "the surface: NAME.png, .jpg or .tiff for each range map or depth image NAME, or "
+      "NAME_color.png as decode --surface-color writes it");
   add_camera_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Folder for the meshes")->required();
@@ -386,8 +412,9 @@ void add_track(CLI::App& app, const Settings& settings) {
   command->footer(
       "The reference is deformed to lie on each range map in turn. All meshes have the triangles "
       "and the vertex\norder of the reference. A vertex stays at the same point of the object "
-      "where relief shows how the surface moves\nalong itself; on a plane, a sphere or another "
-      "smooth shape, range maps do not show it, and vertices move with the\nleast distortion.\n"
+      "where relief or texture (--color-images) shows how\nthe surface moves along itself; on a "
+      "plane, a sphere or another smooth shape, range maps do not show it, and vertices\nmove with "
+      "the least distortion.\n"
       ".ply files also contain the distance of each vertex from the range map (NaN where nothing "
       "was measured) and a\nconfidence from 0 to 1: how far the range map determines where the "
       "vertex is, across the surface and along it.\n"
@@ -400,7 +427,8 @@ void add_track(CLI::App& app, const Settings& settings) {
       "  palpate mesh range/000000.tiff --fill-holes 10 --tolerance 0.2 -o reference.ply\n"
       "  palpate track range/ --reference reference.ply -o meshes/ --format obj --resume\n"
       "  palpate track range/ --reference surface.ply --acquisition acquisition.db -o meshes/\n"
-      "  palpate track depth/ --scale 1 --intrinsics 600,600,320,240 -o meshes/");
+      "  palpate track depth/ --scale 1 --intrinsics 600,600,320,240 --color-images color/ -o "
+      "meshes/");
   command->callback([call, tracking, &settings] {
     if (!call->acquisition.empty()) {
       call->tracking.from_reference = true;
