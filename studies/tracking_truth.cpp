@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well the points of a surface are followed, for docs/trade-geometry.md. Surfaces that deform
-// by closed formulas are seen as depth images (640 x 480 at 700 mm, noise of 0.5 mm), with or
-// without a texture, tracked from the first image on, and compared with the true place of each
+// How well the points of a surface are followed, for docs/non-rigid-tracking.md. Surfaces that
+// deform by closed formulas are seen as depth images (640 x 480 at 700 mm, noise of 0.5 mm), with
+// or without a texture, tracked from the first image on, and compared with the true place of each
 // material point. `tracking_truth 0.03 breathing dent` does that with a stiffness of 0.03 and
 // the sequences of these names, `tracking_truth` with the default and all of them.
 #include <fmt/format.h>
@@ -34,8 +34,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kFrames = 12;
-constexpr double kNoise = 0.5;         // mm
-constexpr double kDistance = 700;      // mm
+constexpr double kNoise = 0.5;           // mm
+constexpr double kDistance = 700;        // mm
 constexpr double kIntensityNoise = 1.5;  // grey levels
 constexpr double kTwoPi = 2 * std::numbers::pi;
 
@@ -49,8 +49,8 @@ class Waves {
     for (int i = 0; i < count; ++i) {
       const double angle = std::numbers::pi * (i + uniform(random)) / count;
       const double length = shortest * std::pow(longest / shortest, uniform(random));
-      waves_.push_back({kTwoPi / length * Vector2d(std::cos(angle), std::sin(angle)),
-                        kTwoPi * uniform(random)});
+      waves_.push_back(
+          {kTwoPi / length * Vector2d(std::cos(angle), std::sin(angle)), kTwoPi * uniform(random)});
     }
     amplitude_ = rms * std::sqrt(2.0 / count);
   }
@@ -103,8 +103,8 @@ TriangleMesh ellipsoid(const Vector3d& half_axes) {
 /// A plane across the optical axis, facing the camera.
 TriangleMesh plate(double width, double height) {
   constexpr double kStep = 0.7;  // mm
-  TriangleMesh mesh = test::flat_sheet(static_cast<int>(width / kStep),
-                                       static_cast<int>(height / kStep), kStep);
+  TriangleMesh mesh =
+      test::flat_sheet(static_cast<int>(width / kStep), static_cast<int>(height / kStep), kStep);
   mesh.vertices.colwise() += Vector3d(-width / 2, -height / 2, kDistance);
   mesh.triangles.row(0).swap(mesh.triangles.row(1));
   return mesh;
@@ -199,9 +199,8 @@ Picture picture_of(const Sequence& sequence, const TriangleMesh& moved, int fram
       const double shade =
           std::abs((b - a).cross(c - a).normalized().dot(hit->position.normalized()));
       const double lamp = 1 + 0.1 * std::sin(2.0 * frame);
-      picture.intensity(row, col) = static_cast<float>(
-          std::clamp(std::round(lamp * shade * albedo + kIntensityNoise * normal(random)), 0.0,
-                     255.0));
+      picture.intensity(row, col) = static_cast<float>(std::clamp(
+          std::round(lamp * shade * albedo + kIntensityNoise * normal(random)), 0.0, 255.0));
     }
   });
   return picture;
@@ -239,7 +238,8 @@ class Truth {
     const Eigen::Matrix3Xd normals = vertex_normals(sequence.rest);
     above_.resize(reference.cols());
     for (Eigen::Index v = 0; v < reference.cols(); ++v)
-      above_[v] = interpolated(normals, v).normalized().dot(reference.col(v) - on_.positions.col(v));
+      above_[v] =
+          interpolated(normals, v).normalized().dot(reference.col(v) - on_.positions.col(v));
   }
 
   [[nodiscard]] TriangleMesh surface(int frame) const {
@@ -290,7 +290,7 @@ void print_row(const Sequence& sequence, const TrackingOptions& options) {
     const TriangleMesh surface = truth.surface(frame);
     const Picture picture = picture_of(sequence, surface, frame);
     const std::clock_t start = std::clock();
-    const TrackedSurface found = 
+    const TrackedSurface found =
         tracker.track(picture.map, {}, sequence.has_texture ? picture.intensity : ImageF());
     seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     steps += found.figures.iterations;
@@ -306,10 +306,11 @@ void print_row(const Sequence& sequence, const TrackingOptions& options) {
       confidence.push_back(found.confidence[v]);
     }
   }
-  fmt::print("| {} | {:.2f} | {:.2f}; {:.2f} | {:.2f}; {:.2f} | {:.2f} | {:.2f} | {:.0f} |{}\n", sequence.name,
-             quantile(moved, 0.5), quantile(across, 0.5), quantile(across, 0.95),
+  fmt::print("| {} | {:.2f} | {:.2f}; {:.2f} | {:.2f}; {:.2f} | {:.2f} | {:.2f} | {:.0f} |{}\n",
+             sequence.name, quantile(moved, 0.5), quantile(across, 0.5), quantile(across, 0.95),
              quantile(along, 0.5), quantile(along, 0.95), quantile(confidence, 0.5),
-             seconds / kFrames, static_cast<double>(steps) / kFrames, lost.empty() ? "" : " lost:" + lost);
+             seconds / kFrames, static_cast<double>(steps) / kFrames,
+             lost.empty() ? "" : " lost:" + lost);
   std::fflush(stdout);
 }
 

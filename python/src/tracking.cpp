@@ -89,13 +89,18 @@ Raises InvalidInput.)",
   tracker
       .def(
           "track",
-          [](SurfaceTracker& self, const geometry::RangeMap& map) {
+          [](SurfaceTracker& self, const geometry::RangeMap& map, const py::object& seen) {
+            const geometry::ImageF intensities =
+                seen.is_none() ? geometry::ImageF() : image(seen, "image");
             const Unlocked unlocked;
-            return self.track(map);
+            return self.track(map, {}, intensities);
           },
-          arg("map"),
+          arg("map"), kw_only(), arg("image") = py::none(),
           R"(Finds the surface in the next range map. If it is lost, the next one starts where this one did.
 
+image: (rows, columns) intensity of each pixel of the map in any unit, NaN where unknown. The first
+frame that is found with one tells the texture of the surface, by which later frames show how it
+moves along itself.
 A frame takes about a second; Ctrl-C is heard between frames. Raises InvalidInput or SolverError.)")
       .def_property_readonly(
           "triangles",

@@ -298,6 +298,10 @@ TEST_F(Track, FollowsTheTextureOfPicturesBesideTheDepths) {
   const CommandResult missing = run("missing", {"--color-images", scratch / "color"});
   EXPECT_EQ(missing.status, kWrongCall);
   EXPECT_NE(missing.err.find("has no picture of 000002.tiff"), std::string::npos) << missing.err;
+  const CommandResult nowhere = run("nowhere", {"--color-images", scratch / "colour"});
+  EXPECT_EQ(nowhere.status, kWrongCall);
+  EXPECT_NE(nowhere.err.find("colour: there is no such file or folder"), std::string::npos)
+      << nowhere.err;
 }
 
 TEST_F(Track, AnEarlierRunStaysAsAWholeUntilAnotherOneIsComplete) {

@@ -36,6 +36,21 @@ class Tracking(unittest.TestCase):
             self.assertGreater(found.measured, 0.9)
             self.assertGreater(np.median(found.confidence[inside]), 0.3)
 
+    def test_texture_shows_the_motion_of_a_plane_in_itself(self):
+        v, u = np.mgrid[: CAMERA.height, : CAMERA.width]
+        x, y = 700 * (u - CAMERA.cx) / CAMERA.fx, 700 * (v - CAMERA.cy) / CAMERA.fy
+        plane = palpate.RangeMap(np.full(x.shape, 700.0), CAMERA)
+        reference = palpate.mesh_from(plane)
+        inside = (np.abs(reference.vertices[:, :2]) < [150, 100]).all(axis=1)
+        tracker = palpate.SurfaceTracker(reference, nodes=60)
+        for shift in (0, 3, 6):  # mm; pixels are 3.5 mm wide
+            texture = np.sin((x - shift) / 14 + 0.3 * np.cos(y / 30)) + np.sin(y / 12 - (x - shift) / 40)
+            found = tracker.track(plane, image=100 + 40 * texture)
+            errors = np.linalg.norm(found.vertices - reference.vertices - (shift, 0, 0), axis=1)[inside]
+            self.assertLess(np.median(errors), 0.5)
+        with self.assertRaisesRegex(palpate.InvalidInput, "must be of one size"):
+            tracker.track(plane, image=np.ones((3, 4)))
+
     def test_a_surface_that_is_hidden_is_lost_and_found_again(self):
         tracker = palpate.SurfaceTracker(palpate.mesh_from(relief((0, 0, 0))), nodes=60)
         tracker.track(relief((0, 0, 0)))

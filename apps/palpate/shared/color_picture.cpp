@@ -37,6 +37,7 @@ geometry::Attributes colors_beside(const std::filesystem::path& range_map,
 geometry::ImageF intensities_in(const std::filesystem::path& folder,
                                 const std::filesystem::path& range_map,
                                 const geometry::Camera& camera) {
+  if (!is_folder(folder)) throw FileError(folder.string() + ": is not a folder");
   const std::string name = range_map.stem().string();
   for (const char* ending : {"_color.png", ".png", ".jpg", ".tiff"}) {
     const std::filesystem::path file = folder / (name + ending);

@@ -273,10 +273,8 @@ void doubt_motion_along(double confidence, bool has_images) {
   spdlog::warn(
       "the surface follows the range maps, but they hardly show how it moves along itself "
       "(confidence {:.2f} in the median): there is too little relief or texture, or too much "
-      "noise. "
-      "Vertices move along it with the least distortion, and need not stay at the same point of "
-      "the "
-      "object{}",
+      "noise. Vertices move along it with the least distortion, and need not stay at the same "
+      "point of the object{}",
       confidence,
       has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
 }

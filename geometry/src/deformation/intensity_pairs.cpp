@@ -30,6 +30,9 @@ constexpr double kBlurEnd = 3;
 /// The gain around a node differs from that of the whole surface by at most this factor.
 constexpr double kMostGain = 2;
 
+/// Least deviation of depths [px], so that the texture also counts beside depths without noise.
+constexpr double kLeastDepthNoise = 0.05;
+
 /// Half a step [px] of the derivative of the lens distortion.
 constexpr double kLensStep = 0.5;
 
@@ -129,9 +132,9 @@ std::vector<Light> lights(const DeformationGraph& graph, std::span<const Intensi
   return result;
 }
 
-/// Standard deviation, by the median of the sizes; 0 without values.
+/// Standard deviation, by the median of the sizes.
 double robust_deviation(std::vector<double> sizes) {
-  return sizes.empty() ? 0 : deviation_of_median(median(std::move(sizes)));
+  return deviation_of_median(median(std::move(sizes)));
 }
 
 }  // namespace
@@ -186,7 +189,7 @@ std::vector<PlanePair> intensity_pairs(const DeformationGraph& graph, const Blur
   });
   const std::vector<Light> light = lights(graph, samples, seen, of_vertices);
   std::vector<PlanePair> pairs(samples.size());
-  std::vector<double> differences, distances;
+  std::vector<double> differences, distances, widths;
   for (std::size_t s = 0; s < samples.size(); ++s) {
     const int vertex = samples[s].vertex;
     Light here = Light::Zero();
@@ -199,9 +202,12 @@ std::vector<PlanePair> intensity_pairs(const DeformationGraph& graph, const Blur
     pairs[s] = {seen[s].gradient, difference, here[2]};
     differences.push_back(std::abs(difference));
     distances.push_back(std::abs(samples[s].distance));
+    widths.push_back(images.pixel_width(samples[s].place));
   }
+  if (widths.empty()) return pairs;
   const double of_intensity = robust_deviation(std::move(differences)),
-               of_distance = robust_deviation(std::move(distances));
+               of_distance = std::max(robust_deviation(std::move(distances)),
+                                      kLeastDepthNoise * median(std::move(widths)));
   for (PlanePair& pair : pairs) {
     if (!(of_intensity > 0)) pair.weight = 0;
     if (!(pair.weight > 0)) continue;

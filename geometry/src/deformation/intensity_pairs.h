@@ -27,6 +27,10 @@ class BlurredImages {
   /// What the image shows of a point.
   /// \param blur index of kIntensityBlurs
   [[nodiscard]] IntensityAt at(const Eigen::Vector3d& point, int blur) const;
+  /// [mm] of a pixel that shows a point
+  [[nodiscard]] double pixel_width(const Eigen::Vector3d& point) const {
+    return point.z() / camera_.fx;
+  }
 
  private:
   Camera camera_;
@@ -45,7 +49,8 @@ struct IntensitySample {
 /// the place of the plane's normal, and the difference of intensities, I - (a T + b), in that of
 /// the distance. The gain a and the offset b are fitted around each node, so that light may change
 /// from frame to frame and from place to place. A pair weighs, relative to one of a plane, the
-/// ratio of the variances of both kinds of residuals; Tukey's biweight; and the share of the
+/// ratio of the variances of both kinds of residuals, where depths count as exact to a twentieth of
+/// a pixel at best; Tukey's biweight; and the share of the
 /// variance of I that a T explains, which is about 0 where the image shows only noise.
 /// \param reference T, of each vertex, for the blurs
 [[nodiscard]] std::vector<PlanePair> intensity_pairs(const DeformationGraph& graph,

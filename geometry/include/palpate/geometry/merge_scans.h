@@ -32,8 +32,8 @@ struct MergeScansOptions {
   std::optional<double> spacing = {};
   double reach = 3;
   double max_memory = 4;
-  /// Called in the calling thread several times during each scan, and after it, with the number of
-  /// scans done and of all. What it throws ends the merging.
+  /// Called in the calling thread before and after each scan is added, with the number of scans
+  /// done and of all; up to four are computed at a time. What it throws ends the merging.
   std::function<void(int done, int total)> progress = {};
 };
 
