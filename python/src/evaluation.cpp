@@ -243,6 +243,9 @@ void add_solid_identification(py::module_& module) {
           "(P,) by how much the mesh makes each parameter wrong, in its unit, without friction; "
           "corrected. NaN: not known.")
       .def_property_readonly(
+          "mesh_limited", [](const MaterialFound& result) { return result.found.mesh_limited; },
+          "Parameters that the measurements would determine, but not with the error of this mesh.")
+      .def_property_readonly(
           "left_out", [](const MaterialFound& result) { return result.found.left_out; },
           "Ids of contacts that the tip cannot reach on the solid.");
   haptics::SolidOptions usual;

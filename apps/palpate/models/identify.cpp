@@ -193,9 +193,15 @@ void warn_of_gaps(const haptics::IdentifiedSolid& found, const haptics::SolidOpt
          fmt::format("the solid has no equilibrium under {} of the forces; they are left out",
                      found.unanswered));
   }
+  if (!found.mesh_limited.empty()) {
+    warn(warnings, "mesh_limited",
+         fmt::format(
+             "with the error of this mesh, the measurements do not determine: {}; use a finer mesh",
+             fmt::join(found.mesh_limited, ", ")));
+  }
   const bool mesh_known =
       std::ranges::any_of(found.mesh_errors, [](double error) { return std::isfinite(error); });
-  if (options.mesh_pairs > 0 && !mesh_known) {
+  if (options.mesh_pairs > 0 && !mesh_known && found.mesh_limited.empty()) {
     warn(warnings, "mesh",
          "the error of the mesh is not known, since no press has an equilibrium on a finer one; "
          "errors are stated as if the mesh were exact");
@@ -216,7 +222,9 @@ void identify_solid(const Settings& settings, const IdentifyCall& call,
   for (const double error : found.mesh_errors)
     mesh_errors.push_back(std::isfinite(error) ? Json(error) : Json(nullptr));
   warn_of_gaps(found, call.solid_options, warnings);
-  Json figures{{"mesh_errors", mesh_errors}, {"left_out", found.left_out}};
+  Json figures{{"mesh_errors", mesh_errors},
+               {"mesh_limited", found.mesh_limited},
+               {"left_out", found.left_out}};
   if (call.card) {
     Json card = Json::parse(
         probing::with_material(text, call.solid->string(), found.object, found.presses));

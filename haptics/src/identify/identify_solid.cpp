@@ -201,27 +201,46 @@ LawEstimate estimate_determined(ParametricLaw law, const std::vector<Pair>& pair
   return found;
 }
 
-// Turns parameters of the law into moduli, corrected for the mesh.
+// Adds the error of the mesh to standard errors. Returns the names of parameters that are no longer
+// determined.
+std::vector<std::string> add_mesh_errors(const Eigen::VectorXd& shift, Identification& report) {
+  std::vector<std::string> result;
+  for (Eigen::Index k = 0; k < shift.size(); ++k) {
+    ParameterEstimate& parameter = report.parameters[static_cast<std::size_t>(k)];
+    if (!parameter.standard_error) continue;
+    const double error = std::hypot(*parameter.standard_error, shift[k]);
+    if (error < kUndetermined) {
+      parameter.standard_error = error;
+      continue;
+    }
+    result.push_back(parameter.name);
+    parameter.status = ParameterStatus::undetermined;
+    parameter.value.reset();
+    parameter.standard_error.reset();
+    report.correlations.row(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+    report.correlations.col(k).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  return result;
+}
+
+// Turns parameters of the law, corrected for the mesh, into moduli.
 void state_values(const probing::DeformableBody& given, const Eigen::VectorXd& shift,
-                  bool mesh_known, IdentifiedSolid& result) {
+                  const Eigen::VectorXd& parameters, bool mesh_known, IdentifiedSolid& result) {
   const auto regions = std::ssize(given.materials);
   for (Eigen::Index k = 0; k < shift.size(); ++k) {
     ParameterEstimate& parameter = result.report.parameters[static_cast<std::size_t>(k)];
+    result.mesh_errors.push_back(std::numeric_limits<double>::quiet_NaN());
+    if (!parameter.value) continue;
+    const double corrected = parameters[k] - shift[k];
     const probing::Hyperelastic& material =
         given.materials[static_cast<std::size_t>(k < regions ? k : 0)];
-    double factor = 1;  // of a change of the value over that of the law's parameter
-    if (parameter.value) {
-      const double corrected = *parameter.value - shift[k];
-      const double unit =
-          k < regions ? material.shear_modulus : material.bulk_modulus / material.shear_modulus;
-      factor = k <= regions ? unit * std::exp(corrected) : 1;
-      parameter.value = k <= regions ? factor : corrected;
-    }
-    if (parameter.standard_error)
-      parameter.standard_error = factor * std::hypot(*parameter.standard_error, shift[k]);
-    result.mesh_errors.push_back(mesh_known && is_determined(parameter)
-                                     ? factor * shift[k]
-                                     : std::numeric_limits<double>::quiet_NaN());
+    const double unit =
+        k < regions ? material.shear_modulus : material.bulk_modulus / material.shear_modulus;
+    // The pre-stretch is the factor itself.
+    parameter.value = k <= regions ? unit * std::exp(corrected) : corrected;
+    const double by_law = k <= regions ? *parameter.value : 1;
+    if (parameter.standard_error) *parameter.standard_error *= by_law;
+    if (mesh_known) result.mesh_errors.back() = by_law * shift[k];
   }
 }
 
@@ -235,8 +254,8 @@ void visit(SolidOptions& options, FieldVisitor& visitor) {
                  "contacts and forces. More are more exact and take longer"},
                 options.max_pairs, at_least(1).at_most(kMost));
   visitor.whole({"mesh_pairs",
-                 "Of a solid: pairs that are repeated on a mesh of half the size, to correct for "
-                 "the error of the mesh; 0: none, and the mesh counts as exact"},
+                 "Of a solid: pairs that are repeated on a mesh of half the size, to find the "
+                 "error of the mesh; 0: none, and the mesh counts as exact"},
                 options.mesh_pairs, at_least(0).at_most(kMost));
 }
 
@@ -288,16 +307,18 @@ IdentifiedSolid identify_solid(const probing::CheckedAcquisition& acquisition,
   // Also of a drag, the whole displacement counts: its part of the error is as large.
   for (Pair& pair : pairs) pair.law_error = scatter * pair.displacement.norm();
   LawEstimate found = estimate_determined(law, pairs, contacts, options);
-  result.report = std::move(found.report);
 
   // Moduli may differ by now from those of the first study.
   const MeshStudy study = study_mesh(at(found.parameters), contacts, pairs, mesh_pairs, done);
   std::vector<bool> free;
   for (Eigen::Index k = 0; k < law.scale.size(); ++k)
-    free.push_back(is_determined(result.report.parameters[static_cast<std::size_t>(k)]));
-  const Eigen::VectorXd shift = mesh_shift(study, pairs, found, free);
+    free.push_back(is_determined(found.report.parameters[static_cast<std::size_t>(k)]));
+  const Eigen::VectorXd shift =
+      mesh_shift(study, pairs, found, free, std::ssize(object.body.materials));
   steps->end();
-  state_values(object.body, shift, !study.pairs.empty(), result);
+  result.mesh_limited = add_mesh_errors(shift, found.report);
+  result.report = std::move(found.report);
+  state_values(object.body, shift, found.parameters, !study.pairs.empty(), result);
   result.object = at(found.parameters - shift);
   result.report.parameters.push_back(friction);
   return result;

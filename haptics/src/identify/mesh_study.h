@@ -17,22 +17,26 @@ struct MeshStudy {
   std::vector<Eigen::Vector3d> difference;  ///< [mm] displacement on the finer mesh minus given one
 };
 
-/// Repeats at most `most` pairs, with large forces, at contacts far apart. Those without an
+/// Repeats at most `most` pairs, with large and small forces, at contacts far apart: the error of a
+/// mesh depends on how large the touched area is. Those without an
 /// equilibrium on one of the meshes are left out.
 [[nodiscard]] MeshStudy study_mesh(const probing::FiniteElementObject& object,
                                    std::span<const probing::Contact> contacts,
                                    const std::vector<Pair>& pairs, std::size_t most,
                                    const EquilibriumDone& done);
 
-/// RMS of each component of a difference over the length of the displacement; 0 without pairs.
+/// RMS of each component of what a common factor of displacements leaves of the differences, over
+/// the length of the displacement; 0 without pairs.
 [[nodiscard]] double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs);
 
 /// By how much the parameters of an estimate, whose scales are one, come out too large since its
-/// displacements are those of the given mesh. Zero where `free` is false.
+/// displacements are those of the given mesh. The first `regions` are shear moduli: their shifts
+/// are alike unless the study tells otherwise. Others are not shifted where `free` is false.
 ///
 /// Meshes err most in a common factor of displacements, which whole displacements tell better than
 /// the short ways of drags. Here they therefore have the same weight, relative to their length.
 [[nodiscard]] Eigen::VectorXd mesh_shift(const MeshStudy& study, const std::vector<Pair>& pairs,
-                                         const LawEstimate& found, const std::vector<bool>& free);
+                                         const LawEstimate& found, const std::vector<bool>& free,
+                                         Eigen::Index regions);
 
 }  // namespace palpate::haptics

@@ -113,4 +113,25 @@ std::vector<std::size_t> largest_pairs(const std::vector<Pair>& pairs,
   return result;
 }
 
+std::vector<std::size_t> representative_pairs(const std::vector<Pair>& pairs,
+                                              std::span<const probing::Contact> contacts,
+                                              std::size_t most) {
+  constexpr std::size_t kEach = 3;
+  std::vector<std::size_t> result =
+      largest_pairs(pairs, contacts, 2 * ((most + kEach - 1) / kEach));
+  const std::vector<std::size_t> large = result;
+  for (const std::size_t i : large) {
+    if (pairs[i].settled != i) continue;
+    std::size_t least = i;
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      if (pairs[k].contact == pairs[i].contact && pairs[k].settled == k &&
+          pairs[k].force.squaredNorm() < pairs[least].force.squaredNorm())
+        least = k;
+    }
+    if (least != i) result.push_back(least);
+  }
+  if (result.size() > most) result.resize(most);
+  return result;
+}
+
 }  // namespace palpate::haptics

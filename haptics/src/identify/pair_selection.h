@@ -38,4 +38,9 @@ struct ContactPairs {
                                                      std::span<const probing::Contact> contacts,
                                                      std::size_t most);
 
+/// Indices of at most `most` pairs at contacts that are far apart: those of `largest_pairs`, and
+/// the smallest normal force of each of these contacts.
+[[nodiscard]] std::vector<std::size_t> representative_pairs(
+    const std::vector<Pair>& pairs, std::span<const probing::Contact> contacts, std::size_t most);
+
 }  // namespace palpate::haptics

@@ -33,9 +33,6 @@ constexpr int kMaxWeightRounds = 12;
 constexpr std::size_t kStartPairs = 300;
 /// Initial damping of a search from a distant start, and of one continued with other weights.
 constexpr double kFar = 1e-2, kNear = 1e-6;
-/// A direction is undetermined iff its standard error >= this, in units of the parameters' scales,
-/// so that a change of one scale is less than three standard errors.
-constexpr double kUndetermined = 1.0 / 3;
 /// A parameter belongs to a direction iff its component of the unit vector is larger.
 constexpr double kBelongs = 0.1;
 /// Size of a zero eigenvalue due to errors of derivatives, relative to the largest eigenvalue.

@@ -93,5 +93,22 @@ TEST(PairSelection, TakesLargeForcesAtContactsFarApart) {
   EXPECT_EQ(std::ranges::count_if(large, [&](std::size_t i) { return pairs[i].settled == i; }), 2);
 }
 
+TEST(PairSelection, RepresentsSmallForcesToo) {
+  const std::vector<Pair> pairs = many_pairs();
+  const std::vector<std::size_t> chosen = representative_pairs(pairs, kThreeContacts, 6);
+  const std::vector<std::size_t> large = largest_pairs(pairs, kThreeContacts, 4);
+  ASSERT_EQ(chosen.size(), 6U);
+  EXPECT_TRUE(std::equal(large.begin(), large.end(), chosen.begin()));
+  for (std::size_t k = 4; k < 6; ++k) {
+    const Pair& least = pairs[chosen[k]];
+    EXPECT_EQ(least.settled, chosen[k]);
+    for (const Pair& pair : pairs) {
+      if (pair.contact == least.contact) {
+        EXPECT_LE(least.force.norm(), pair.force.norm());
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace palpate::haptics

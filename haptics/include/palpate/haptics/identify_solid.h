@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "palpate/core/fields.h"
@@ -17,7 +18,7 @@ namespace palpate::haptics {
 struct SolidOptions {
   int max_pairs = 150;
   /// Pairs of displacement and force that are repeated on a mesh of half the size of elements.
-  int mesh_pairs = 12;
+  int mesh_pairs = 18;
   /// Called after each equilibrium with the steps done and those expected at most, from one thread
   /// at a time. An exception that it throws ends the work.
   std::function<void(int done, int total)> progress = {};
@@ -35,6 +36,8 @@ struct IdentifiedSolid {
   /// By how much the mesh makes each parameter of the report wrong, in its unit; corrected. NaN:
   /// not known.
   std::vector<double> mesh_errors;
+  /// Parameters that the measurements would determine, but not with the error of this mesh.
+  std::vector<std::string> mesh_limited;
   /// Large normal presses at contacts that are far apart, the largest first.
   std::vector<probing::KnownPress> presses;
   std::vector<long long> left_out;  ///< ids of contacts that the tip cannot reach on this solid
@@ -53,9 +56,11 @@ struct IdentifiedSolid {
 /// factored tangents (`ContactEquilibrium::sensitivity`).
 ///
 /// Displacements on a mesh are off by some per cent, and pairs of a contact share this error. Some
-/// pairs are therefore repeated on a mesh of half the size. What the difference does to each
-/// parameter is corrected and has its part in the standard error; the scatter that remains has its
-/// part in the weights, and standard errors are at least those that the scatter of contacts shows.
+/// pairs, with large and small forces, are therefore repeated on a mesh of half the size. What the
+/// difference does to each parameter is corrected and has its part in the standard error; a
+/// parameter that it changes by about a third or more is not determined, and `object` has what fits
+/// best. The scatter that remains has its part in the weights, and standard errors are at least
+/// those that the scatter of contacts shows.
 ///
 /// The friction is the mean of the coefficients of contacts where their cone is determined. A round
 /// tip slides at a larger force than a point, see docs/probing-validation.md.
