@@ -233,7 +233,7 @@ void add_solid_identification(py::module_& module) {
           "The parameters with their errors, and the verdict.")
       .def_property_readonly(
           "specimen", [](const MaterialFound& result) { return result.specimen; },
-          "The solid with the material that was found; what is not determined is as given.")
+          "The solid with the material that was found; what the data do not determine is as given.")
       .def_property_readonly(
           "mesh_errors",
           [](const MaterialFound& result) {

@@ -21,6 +21,7 @@ constexpr int kFeatherEdges = 4;
 /// of the overhang its weight is a quarter, and it falls with the fourth power, so that it counts
 /// only where no scan has measured.
 constexpr double kGuess = 0.25;
+
 Eigen::Matrix3Xd zero_for_nan(const Eigen::Matrix3Xd& normals) {
   return normals.array().isNaN().select(0, normals);
 }

@@ -326,7 +326,7 @@ TEST(MergeScans, DoNotDependOnTheirOrder) {
   EXPECT_LT((there.vertices - back.vertices).cwiseAbs().maxCoeff(), 1e-5);  // summed as floats
 }
 
-TEST(MergeScans, TellTheirProgressDuringEachScanAndEndWhenTold) {
+TEST(MergeScans, TellTheirProgressAndEndWhenTold) {
   const std::vector<Scan> scans(3, Scan{.mesh = test::flat_sheet(30, 30, 1)});
   std::vector<int> done;
   MergeScansOptions options{.progress = [&](int scan, int total) {

@@ -27,8 +27,8 @@ struct SolidOptions {
 void visit(SolidOptions& options, FieldVisitor& visitor);
 
 struct IdentifiedSolid {
-  /// As given, with the material, the moves of supports and the friction that were found. What is
-  /// not determined is as given; a shear modulus that is not, times the factor of all others.
+  /// As given, with the material, the moves of supports and the friction that were found. What
+  /// the data do not determine is as given; a shear modulus, times the factor of all others.
   probing::FiniteElementObject object;
   /// "shear modulus" (or "shear modulus of region 0", ...), "bulk over shear modulus" and, if
   /// supports move, "pre-stretch"; then "friction", which has no part in `correlations`
