@@ -39,6 +39,8 @@ using Clock = std::chrono::steady_clock;
 /// Of an object that a campaign presses. On an elastic body of 80 mm seen by the bundled rig, 0.001
 /// to 0.01 give errors within a tenth of each other.
 constexpr double kHeld = 0.003;
+/// Of the same object: its dents are small, and decoded depths have little noise.
+constexpr double kHeldStiffness = 0.01;
 
 struct TrackCall {
   fs::path input, reference, acquisition, output;
@@ -268,7 +270,7 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
 
 /// Warns if the range maps hardly show how the surface moves along itself.
 void doubt_motion_along(double confidence, bool has_images) {
-  constexpr double kSure = 0.3;  // smooth surfaces have less than 0.2, clear relief 0.5 and more
+  constexpr double kSure = 0.3;  // smooth surfaces have less than 0.2, clear relief 0.3 and more
   if (confidence >= kSure) return;
   spdlog::warn(
       "the surface follows the range maps, but they hardly show how it moves along itself "
@@ -401,7 +403,7 @@ void add_track(CLI::App& app, const Settings& settings) {
       "--acquisition", call->acquisition,
       "Campaign of the range maps (acquisition.db of palpate probe run --camera). Its samples give "
       "the position of each contact, which the tool hides in the range map. Implies "
-      "--from-reference, and --hold 0.003 unless --hold is given");
+      "--from-reference, --hold 0.003 and --stiffness 0.01 unless these are given");
   command->add_flag("--pictures", call->pictures,
                     "Also draw each mesh coloured by its distance from the range map (PNG)");
   command->add_flag("--resume", call->resume,
@@ -430,9 +432,13 @@ void add_track(CLI::App& app, const Settings& settings) {
   command->callback([call, tracking, &settings] {
     if (!call->acquisition.empty()) {
       call->tracking.from_reference = true;
-      const auto hold = std::ranges::find_if(
-          tracking, [](const CLI::Option* option) { return option->check_name("--hold"); });
-      if ((*hold)->count() == 0) call->tracking.hold = kHeld;
+      const auto is_given = [&](const char* name) {
+        return std::ranges::any_of(tracking, [&](const CLI::Option* option) {
+          return option->check_name(name) && option->count() > 0;
+        });
+      };
+      if (!is_given("--hold")) call->tracking.hold = kHeld;
+      if (!is_given("--stiffness")) call->tracking.stiffness = kHeldStiffness;
     }
     track(settings, *call);
   });

@@ -30,6 +30,14 @@ constexpr std::size_t kParts = 8;
 /// neighbours determine (a sheet that slides in itself, a piece that is not seen) stays.
 constexpr double kAnchor = 0.005;
 
+/// Growth of the whole surface costs this fraction of what it would cost if each link stretched.
+/// With less, smooth surfaces shrink where nothing shows their size, because nodes can follow a
+/// smaller surface more closely.
+constexpr double kScale = 0.05;
+
+/// A surface that grows or shrinks more than by this factor is not followed.
+constexpr double kMostScale = 2;
+
 /// Damping of a step relative to the weight of the data. It makes the equations solvable: nothing
 /// else determines the rotation of an isolated node that is not seen.
 constexpr double kDamping = 1e-5;
@@ -100,8 +108,9 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
       for (int k = 0; k < DeformationGraph::kInfluences; ++k) {
         const int node = graph_.influences()(k, v);
         const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(node)];
+        // Noise of a vertex is also in its distance. In both, it would turn the surroundings.
         const Eigen::Vector3d arm =
-            motion.linear() * (graph_.mesh().vertices.col(v) - graph_.nodes().col(node));
+            motion.linear() * (graph_.smooth_vertices().col(v) - graph_.nodes().col(node));
         row[static_cast<std::size_t>(k)] << arm.cross(pair.normal) / graph_.spacing(), pair.normal;
         row[static_cast<std::size_t>(k)] *= graph_.weights()(k, v);
       }
@@ -131,23 +140,31 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
   return total;
 }
 
-/// |l_jk R_j (g_k - g_j) - (g'_k - g'_j)|^2 for both directions of each edge.
-void DeformationEquations::add_stiffness(double stiffness, const Eigen::VectorXd& lengths,
+/// |s l_jk R_j (g_k - g_j) - (g'_k - g'_j)|^2 for both directions of each edge. Both together are
+/// 2 |s l_jk (R_j + R_k)/2 (g_k - g_j) - (g'_k - g'_j)|^2, which is stretch, and bending. The scale
+/// follows from the stretch alone: bending costs less on a smaller surface.
+void DeformationEquations::add_stiffness(double stiffness, double scale,
                                          const std::vector<Eigen::Isometry3d>& motions,
                                          Sums& sums) const {
   const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3Xd links = rest_links(graph_, motions, scale);
+  sums.of_scale.setZero(sums.gradient.size());
+  sums.stretch_of_nodes.setZero(sums.gradient.size());
   for (Eigen::Index e = 0; e < graph_.edges().cols(); ++e) {
     const int low = graph_.edges()(0, e);
     const int high = graph_.edges()(1, e);
     Matrix6d& coupling = sums.blocks[nodes + static_cast<std::size_t>(e)];
+    const Eigen::Vector3d chord =
+        motions[static_cast<std::size_t>(high)] * graph_.nodes().col(high) -
+        motions[static_cast<std::size_t>(low)] * graph_.nodes().col(low);
+    Eigen::Vector3d mean_arm = Eigen::Vector3d::Zero();  // from low to high
     for (const auto& [j, k] : {std::pair(low, high), std::pair(high, low)}) {
-      const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(j)];
-      const Eigen::Vector3d g_j = motion * graph_.nodes().col(j);
-      const Eigen::Vector3d g_k = motions[static_cast<std::size_t>(k)] * graph_.nodes().col(k);
+      const double sign = j == low ? 1 : -1;
       const Eigen::Vector3d arm =
-          lengths[e] * (motion.linear() * (graph_.nodes().col(k) - graph_.nodes().col(j)));
-      const Eigen::Vector3d error = arm - (g_k - g_j);
+          sign * (motions[static_cast<std::size_t>(j)].linear() * links.col(e));
+      const Eigen::Vector3d error = arm - sign * chord;
+      mean_arm += sign * arm / 2;
       Eigen::Matrix<double, 3, kUnknowns> of_j;
       of_j << -cross_matrix(arm) / graph_.spacing(), identity;
       sums.blocks[static_cast<std::size_t>(j)] += stiffness * of_j.transpose() * of_j;
@@ -160,8 +177,22 @@ void DeformationEquations::add_stiffness(double stiffness, const Eigen::VectorXd
       }
       sums.gradient.segment<kUnknowns>(kUnknowns * j) += stiffness * of_j.transpose() * error;
       sums.gradient.segment<3>(kUnknowns * k + 3) -= stiffness * error;
+      // Turning does not lengthen an arm.
+      sums.of_scale.segment<3>(kUnknowns * j + 3) += stiffness * arm / scale;
+      sums.of_scale.segment<3>(kUnknowns * k + 3) -= stiffness * arm / scale;
     }
+    const double length = mean_arm.norm();
+    if (!(length > 0)) continue;
+    const Eigen::Vector3d along = mean_arm / length;
+    const double weight = 2 * stiffness * length / scale;
+    sums.stretch += weight * (length - along.dot(chord));
+    sums.stretch_of_scale += weight * length / scale;
+    sums.stretch_of_nodes.segment<3>(kUnknowns * low + 3) += weight * along;
+    sums.stretch_of_nodes.segment<3>(kUnknowns * high + 3) -= weight * along;
   }
+  const double held = kScale * sums.stretch_of_scale;
+  sums.stretch += held * (scale - 1);
+  sums.stretch_of_scale += held;
 }
 
 void DeformationEquations::add_anchors(double weight, const Eigen::Matrix3Xd& anchors,
@@ -192,16 +223,33 @@ void DeformationEquations::fill_matrix(const Sums& sums) {
   }
 }
 
+double DeformationEquations::scale_of(const std::vector<Eigen::Isometry3d>& motions) const {
+  Sums sums;
+  sums.blocks.assign(static_cast<std::size_t>(graph_.nodes().cols() + graph_.edges().cols()),
+                     Matrix6d::Zero());
+  sums.gradient.setZero(kUnknowns * graph_.nodes().cols());
+  add_stiffness(1, 1, motions, sums);
+  return sums.stretch_of_scale > 0 ? 1 - sums.stretch / sums.stretch_of_scale : 1;
+}
+
 double DeformationEquations::step(std::span<const PlanePair> pairs, double stiffness,
-                                  const Eigen::VectorXd& lengths, const Eigen::Matrix3Xd& anchors,
-                                  double hold, std::vector<Eigen::Isometry3d>& motions) {
+                                  const Eigen::Matrix3Xd& anchors, double hold, bool scale_is_free,
+                                  double& scale, std::vector<Eigen::Isometry3d>& motions) {
   Sums sums = sum_of_planes(pairs, motions);
-  add_stiffness(stiffness, lengths, motions, sums);
+  add_stiffness(stiffness, scale, motions, sums);
   add_anchors(kAnchor * stiffness, anchors, motions, sums);
   if (hold > 0) add_anchors(hold, graph_.nodes(), motions, sums);
   fill_matrix(sums);
   solver_.factorize(matrix_);
-  const Eigen::VectorXd moves = solver_.solve(-sums.gradient);
+  Eigen::VectorXd moves = solver_.solve(-sums.gradient);
+  if (scale_is_free && sums.stretch_of_scale > 0) {
+    const Eigen::VectorXd per_scale = solver_.solve(sums.of_scale);
+    const double change = -(sums.stretch + sums.stretch_of_nodes.dot(moves)) /
+                          (sums.stretch_of_scale - sums.stretch_of_nodes.dot(per_scale));
+    const double changed = std::clamp(scale + change, 1 / kMostScale, kMostScale);
+    moves -= (changed - scale) * per_scale;
+    scale = changed;
+  }
   if (solver_.info() != Eigen::Success || !moves.allFinite()) {
     throw SolverError(
         "register_deformed: the equations of a step cannot be solved; raise the "

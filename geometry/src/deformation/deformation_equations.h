@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "deformation/rest_links.h"
 #include "palpate/geometry/deformation_graph.h"
 
 namespace palpate::geometry {
@@ -29,14 +30,17 @@ class DeformationEquations {
 
   [[nodiscard]] std::span<const int> samples() const { return samples_; }
 
+  /// The scale of the whole surface that explains its motions best.
+  [[nodiscard]] double scale_of(const std::vector<Eigen::Isometry3d>& motions) const;
+
   /// Moves the nodes by one step. `pairs`: one per sample. Returns the largest
   /// motion of a node [mm], with rotations measured at the spacing of the nodes.
   /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
-  /// \param lengths  of the links at rest, relative to the undeformed ones (see `link_lengths`)
   /// \param hold  with which nodes are held where they are in the graph
-  double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::VectorXd& lengths,
-              const Eigen::Matrix3Xd& anchors, double hold,
+  /// \param scale  of the links at rest; is changed, too, if it is free
+  double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::Matrix3Xd& anchors,
+              double hold, bool scale_is_free, double& scale,
               std::vector<Eigen::Isometry3d>& motions);
 
  private:
@@ -46,12 +50,17 @@ class DeformationEquations {
   struct Sums {
     std::vector<Matrix6d> blocks;
     Eigen::VectorXd gradient;
+    Eigen::VectorXd of_scale;  ///< derivative of the gradient with respect to the scale
+    /// Derivative of the stretch with respect to the scale, and its own derivatives.
+    double stretch = 0;
+    double stretch_of_scale = 0;
+    Eigen::VectorXd stretch_of_nodes;
   };
 
   [[nodiscard]] Sums sum_of_planes(std::span<const PlanePair> pairs,
                                    const std::vector<Eigen::Isometry3d>& motions) const;
-  void add_stiffness(double stiffness, const Eigen::VectorXd& lengths,
-                     const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
+  void add_stiffness(double stiffness, double scale, const std::vector<Eigen::Isometry3d>& motions,
+                     Sums& sums) const;
   void add_anchors(double weight, const Eigen::Matrix3Xd& anchors,
                    const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
   void fill_matrix(const Sums& sums);

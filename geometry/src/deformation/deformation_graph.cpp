@@ -21,11 +21,20 @@ namespace {
 
 constexpr int kInfluences = DeformationGraph::kInfluences;
 
+/// Smoothing as in SmoothingOptions: rounds, lambda and the pass band. Waves shorter than some ten
+/// vertices are taken for noise, but none that the nodes can follow: of two spacings, which have
+/// this frequency times the number of vertices per node.
+constexpr int kSmoothings = 20;
+constexpr double kShrink = 0.5;
+constexpr double kPassBand = 0.1;
+constexpr double kPassBandOfNodes = 2.5;
+
 /// The edges at each vertex, with their lengths.
 class EdgeLists {
  public:
   explicit EdgeLists(const TriangleMesh& mesh)
-      : first_(static_cast<std::size_t>(mesh.vertices.cols()) + 1, 0) {
+      : first_(static_cast<std::size_t>(mesh.vertices.cols()) + 1, 0),
+        at_border_(static_cast<std::size_t>(mesh.vertices.cols()), 0) {
     std::vector<std::pair<int, int>> edges;
     edges.reserve(static_cast<std::size_t>(2 * mesh.triangles.size()));
     for (const auto& corners : mesh.triangles.colwise()) {
@@ -35,8 +44,11 @@ class EdgeLists {
       }
     }
     std::ranges::sort(edges);
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    for (const auto& [from, to] : edges) {
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      const auto [from, to] = edges[e];
+      if (e > 0 && edges[e] == edges[e - 1]) continue;
+      if (e + 1 == edges.size() || edges[e] != edges[e + 1])
+        at_border_[static_cast<std::size_t>(from)] = 1;
       ++first_[static_cast<std::size_t>(from) + 1];
       ends_.push_back({to, (mesh.vertices.col(to) - mesh.vertices.col(from)).norm()});
     }
@@ -52,9 +64,14 @@ class EdgeLists {
     return std::span(ends_).subspan(first_[v], first_[v + 1] - first_[v]);
   }
   [[nodiscard]] bool is_loose(int vertex) const { return at(vertex).empty(); }
+  /// Whether an edge of the vertex belongs to one triangle only.
+  [[nodiscard]] bool is_at_border(int vertex) const {
+    return at_border_[static_cast<std::size_t>(vertex)] != 0;
+  }
 
  private:
   std::vector<std::size_t> first_;
+  std::vector<char> at_border_;
   std::vector<End> ends_;
 };
 
@@ -198,6 +215,32 @@ Eigen::Matrix2Xi node_pairs(const DeformationGraph::Influences& influences,
   return edges;
 }
 
+/// The vertices without the noise of single ones, by Taubin's filter; those at the border stay.
+/// `smooth` works on manifold meshes only.
+Eigen::Matrix3Xd smoothed(const TriangleMesh& mesh, const EdgeLists& edge_lists,
+                          Eigen::Index node_count) {
+  const double vertices_per_node =
+      static_cast<double>(mesh.vertices.cols()) / static_cast<double>(node_count);
+  const double pass_band = std::max(kPassBand, kPassBandOfNodes / vertices_per_node);
+  Eigen::Matrix3Xd even = mesh.vertices;
+  if (pass_band >= 1) return even;
+  const auto move_to_mean = [&](const Eigen::Matrix3Xd& from, double factor) {
+    Eigen::Matrix3Xd moved = from;
+    parallel_for(from.cols(), [&](Eigen::Index v) {
+      const std::span<const EdgeLists::End> ends = edge_lists.at(static_cast<int>(v));
+      if (ends.empty() || edge_lists.is_at_border(static_cast<int>(v))) return;
+      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+      for (const EdgeLists::End& end : ends)
+        mean += from.col(end.vertex) / static_cast<double>(ends.size());
+      moved.col(v) += factor * (mean - from.col(v));
+    });
+    return moved;
+  };
+  for (int i = 0; i < kSmoothings; ++i)
+    even = move_to_mean(move_to_mean(even, kShrink), 1 / (pass_band - 1 / kShrink));
+  return even;
+}
+
 }  // namespace
 
 DeformationGraph::DeformationGraph(TriangleMesh mesh, const DeformationGraphOptions& options)
@@ -208,7 +251,8 @@ DeformationGraph::DeformationGraph(TriangleMesh mesh, const DeformationGraphOpti
   const EdgeLists edge_lists(mesh_);
   const Eigen::Index vertex_count = mesh_.vertices.cols();
   const std::vector<int> node_vertices = choose_nodes(edge_lists, vertex_count, options.nodes);
-  nodes_ = mesh_.vertices(Eigen::all, node_vertices);
+  smooth_vertices_ = smoothed(mesh_, edge_lists, static_cast<Eigen::Index>(node_vertices.size()));
+  nodes_ = smooth_vertices_(Eigen::all, node_vertices);
 
   const std::vector<NearestNodes> nearest = nearest_nodes(edge_lists, vertex_count, node_vertices);
   influences_.resize(kInfluences, vertex_count);

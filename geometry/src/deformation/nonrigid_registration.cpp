@@ -12,7 +12,6 @@
 #include "base/numbers.h"
 #include "deformation/deformation_equations.h"
 #include "deformation/intensity_pairs.h"
-#include "deformation/link_lengths.h"
 #include "deformation/measured_surface.h"
 #include "deformation/slippage.h"
 #include "palpate/core/error.h"
@@ -222,6 +221,7 @@ class Fit {
   }
 
   DeformedSurface run(bool is_tracked) {
+    if (is_tracked) scale_ = equations_.scale_of(result_.node_motions);
     iterate(is_tracked);
     look_at_all_vertices();
     result_.along = determined_along(graph_, places_of_nodes(), seen_samples(), options_.stiffness);
@@ -241,6 +241,7 @@ class Fit {
     std::vector<PlanePair> pairs(equations_.samples().size());
     std::vector<int> pixels(samples_.size(), -1);
     Eigen::Matrix3Xd anchors = places_of_nodes();
+    const bool may_grow = options_.hold == 0;  // what is held does not change as a whole
     while (result_.iterations < options_.max_iterations) {
       if (draw(level, pixels, pairs) < kMinPairs) {
         result_.stop = NonRigidStop::no_overlap;
@@ -250,8 +251,8 @@ class Fit {
       const double stiffness =
           options_.stiffness * (is_tracked ? 1 : between(kStiffStart, 1, level));
       const double move =
-          equations_.step(pairs, stiffness, link_lengths(graph_, result_.node_motions), anchors,
-                          options_.hold, result_.node_motions);
+          equations_.step(pairs, stiffness, anchors, options_.hold,
+                          may_grow && level >= kFirstTrackedLevel, scale_, result_.node_motions);
       ++result_.iterations;
       steps_.tell();
       ++steps_of_level;
@@ -390,6 +391,7 @@ class Fit {
   const VertexIntensities& intensities_;
   std::optional<BlurredImages> images_;  // with an image only
   DeformationEquations equations_;       // of `all_attracted`
+  double scale_ = 1;                     // of the links at rest
   DeformedSurface result_;
 };
 

