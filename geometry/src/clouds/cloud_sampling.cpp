@@ -3,7 +3,10 @@
 #include "palpate/geometry/cloud_sampling.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
+#include <compare>
 #include <cstdint>
 #include <utility>
 
@@ -24,19 +27,38 @@ std::uint64_t mixed(std::uint64_t value) {
   return value ^ (value >> 31U);
 }
 
-/// The known points in the order of a hash of their coordinates.
-std::vector<int> shuffled(const PointsRef& points) {
-  std::vector<std::pair<std::uint64_t, int>> order;
-  for (const int i : known_points(points)) {
-    std::uint64_t hash = 0;
-    for (const double x : points.col(i))  // + 0.0: minus zero has the bits of zero
-      hash = mixed(hash + 0x9e3779b97f4a7c15U + std::bit_cast<std::uint64_t>(x + 0.0));
-    order.emplace_back(hash, i);
+/// Steps of the least distance in which places count for the order.
+constexpr double kOrderSteps = 1024;
+/// Where steps begin, in steps: places on a grid do not lie between two, where rounding decides.
+constexpr double kOrderStart = 0.38196601125;
+
+/// The known points in the order of a hash of their offsets from `origin` in units of the least
+/// distance, which are the same in any unit of length and, but for rounding, at any place.
+std::vector<int> shuffled(const PointsRef& points, const std::vector<int>& known,
+                          const Eigen::Vector3d& origin, double min_distance) {
+  struct Entry {
+    std::uint64_t hash;
+    std::array<double, 3> offset;  // tells those apart whose steps are the same
+    int index;
+    auto operator<=>(const Entry&) const = default;
+  };
+  std::vector<Entry> order;
+  order.reserve(known.size());
+  for (const int i : known) {
+    Entry entry{.hash = 0, .offset = {}, .index = i};
+    for (int k = 0; k < 3; ++k) {
+      const double offset = (points(k, i) - origin[k]) / min_distance;
+      // A coordinate too far away for a whole number is refused later, by the cells.
+      const double step = std::floor(kOrderSteps * offset + kOrderStart);
+      entry.hash = mixed(entry.hash + 0x9e3779b97f4a7c15U + std::bit_cast<std::uint64_t>(step));
+      entry.offset[static_cast<std::size_t>(k)] = offset;
+    }
+    order.push_back(entry);
   }
   std::sort(order.begin(), order.end());
   std::vector<int> indices;
   indices.reserve(order.size());
-  for (const auto& [hash, i] : order) indices.push_back(i);
+  for (const Entry& entry : order) indices.push_back(entry.index);
   return indices;
 }
 
@@ -112,10 +134,11 @@ VoxelSample voxel_sample(const PointsRef& points, double edge) {
 std::vector<int> poisson_sample(const PointsRef& points, double min_distance,
                                 const WorkSteps::Progress& progress) {
   require("poisson_sample: min_distance", min_distance, above(0).finite(), "mm");
-  const std::vector<int> order = shuffled(points);
-  if (order.empty()) return {};
-  Eigen::Vector3d origin = points.col(order.front());
-  for (const int i : order) origin = origin.cwiseMin(points.col(i));
+  const std::vector<int> known = known_points(points);
+  if (known.empty()) return {};
+  Eigen::Vector3d origin = points.col(known.front());
+  for (const int i : known) origin = origin.cwiseMin(points.col(i));
+  const std::vector<int> order = shuffled(points, known, origin, min_distance);
   ChosenPoints taken(points, origin, min_distance);
   std::vector<int> chosen;
   constexpr int kReport = 50'000;

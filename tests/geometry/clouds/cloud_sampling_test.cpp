@@ -110,6 +110,18 @@ TEST(PoissonSample, DoesNotDependOnTheOrderOfPoints) {
             poisson_sample(points, 1));
 }
 
+TEST(PoissonSample, DoesNotDependOnTheUnitOrThePlace) {
+  Matrix3Xd points = test::random_cloud(2000, 3, {20, 15, 9});
+  // Multiples of a power of two, which are moved exactly.
+  for (double& x : points.reshaped()) x = std::round(x * 0x1p10) * 0x1p-10;
+  const double distance = 1.3;
+  const std::vector<int> chosen = poisson_sample(points, distance);
+  EXPECT_EQ(poisson_sample(0x1p30 * points, 0x1p30 * distance), chosen);
+  EXPECT_EQ(poisson_sample(0x1p-7 * points, 0x1p-7 * distance), chosen);
+  EXPECT_EQ(poisson_sample(25.4 * points, 25.4 * distance), chosen);
+  EXPECT_EQ(poisson_sample(points.colwise() + Vector3d(0x1p36, -0x1p30, 0x1p20), distance), chosen);
+}
+
 TEST(PoissonSample, TakesEqualPointsOnceAndUnknownOnesNever) {
   Matrix3Xd points = Matrix3Xd::Constant(3, 1000, 2.5);
   points.col(0).setConstant(kNaN);

@@ -26,8 +26,10 @@ struct VoxelSample {
 
 /// Chooses points of which no two are closer than `min_distance` [mm], and to one of which each
 /// point is closer than that (a maximal Poisson-disc sample): points are taken in an order that
-/// follows from a hash of their coordinates, unless they are too close to one before. The order of
-/// the points does not matter. Points that are equal count as one, the first.
+/// follows from a hash of where they are in the box around all of them, unless they are too close
+/// to one before. The order of the points does not matter, nor do the unit of length and the place
+/// of the cloud, beyond the rounding of its coordinates; a cloud that is turned may have another
+/// sample. Points that are equal count as one, the first.
 /// \param progress called after each part of the points; the last call has done == total. What it
 /// throws ends the work.
 /// \return indices of the chosen points, ascending.
