@@ -18,13 +18,24 @@
 
 namespace palpate::geometry {
 
+namespace {
+
+/// Refuses a measure that exceeds the largest number, or is NaN because parts of it do.
+double representable(double measure, const char* what) {
+  if (std::isfinite(measure)) return measure;
+  throw InvalidInput(std::string("mesh: its ") + what +
+                     " exceeds the largest number; are its coordinates in mm?");
+}
+
+}  // namespace
+
 double surface_area(const TriangleMesh& mesh) {
   check_mesh(mesh, "mesh");
   double area = 0;
   for (const auto& triangle : mesh.triangles.colwise()) {
     area += area_vector(mesh.vertices, triangle).norm();
   }
-  return area;
+  return representable(area, "area");
 }
 
 double enclosed_volume(const TriangleMesh& mesh) {
@@ -45,7 +56,7 @@ double enclosed_volume(const TriangleMesh& mesh) {
     const Eigen::Vector3d c = mesh.vertices.col(corners[2]) - origin;
     six_times += a.dot(b.cross(c));
   }
-  return six_times / 6;
+  return representable(six_times / 6, "volume");
 }
 
 MeshShape mesh_shape(const TriangleMesh& mesh) {

@@ -13,14 +13,14 @@ namespace palpate::geometry {
 [[nodiscard]] Eigen::AlignedBox3d bounding_box(const TriangleMesh& mesh);
 
 /// [mm^2] sum of the areas of all triangles.
-/// \throws InvalidInput if the mesh is not valid.
+/// \throws InvalidInput if the mesh is not valid, or the area exceeds the largest number.
 [[nodiscard]] double surface_area(const TriangleMesh& mesh);
 
 /// [mm^3] volume enclosed by a closed surface, by the divergence theorem: the sum of the signed
 /// tetrahedra a . (b x c) / 6 that the triangles span with a common point. Negative if the
 /// triangles are counter-clockwise seen from inside. Several closed surfaces add up.
 /// \throws InvalidInput if the mesh is not valid, as `opposite_half_edges`, or naming a border edge
-/// if the mesh is open.
+/// if the mesh is open, or if the volume exceeds the largest number.
 [[nodiscard]] double enclosed_volume(const TriangleMesh& mesh);
 
 /// Lengths of the edges of a mesh, each counted once, and angles of its triangles.
