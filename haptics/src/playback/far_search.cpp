@@ -19,7 +19,8 @@ constexpr int kDirections = 8;     // around the nearest point
 // Distances there, of that from the nearest point to the tool: all around it, and then, since a
 // tool that has just touched beside the bottom of a sharp groove is held far up the flank, beyond.
 constexpr std::array<std::array<double, 3>, 2> kDistances = {{{0.25, 0.5, 1.0}, {2.0, 5.0, 12.0}}};
-constexpr double kProbe = 1e-3;  // [mm] along which slopes are measured
+// Along which slopes are measured, relative to the size of the surface.
+constexpr double kProbe = 1e-5;
 // Added to the squared slopes, in parts of their trace, so that steps are finite and not far longer
 // than the slopes hold.
 constexpr double kDamping = 1e-4;
@@ -82,7 +83,7 @@ void SlipSearcher::bracket(const SurfacePlace& from, const Eigen::Vector3d& plan
                            const Eigen::Vector3d& along, double holds, double excess_holding,
                            double slips, double excess_slipping) {
   bool last_slips = false, last_holds = false;
-  for (int i = 0; i < kMaxInBracket && std::abs(slips - holds) > kShortestBracket; ++i) {
+  for (int i = 0; i < kMaxInBracket && std::abs(slips - holds) > shortest_; ++i) {
     const double at = holds + excess_holding / (excess_holding - excess_slipping) * (slips - holds);
     evaluate(surface_.walk(from, plane, along, at).at);
     keep_best();
@@ -113,7 +114,8 @@ void SlipSearcher::downhill(const SlidingContact& from) {
     tangents.col(1) = normal.cross(tangents.col(0));
     for (int k = 0; k < 2; ++k) {
       const Eigen::Vector3d along = tangents.col(k);
-      const Walk walk = surface_.walk(here.at, along.cross(normal), along, kProbe);
+      const Walk walk =
+          surface_.walk(here.at, along.cross(normal), along, kProbe * surface_.size());
       if (!(walk.length > 0)) continue;  // at the border
       evaluate(walk.at);
       slopes.col(k) = (beyond_cone() - rest) / walk.length;

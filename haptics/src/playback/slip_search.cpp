@@ -49,6 +49,7 @@ SlipSearcher::SlipSearcher(const PackedField& field, const SurfaceWalk& surface,
   const Eigen::Vector3d& normal = surface.normal(start.at.triangle);
   line_ = slip_line(axis_, normal, tool - start.at.position);
   length_ = line_.norm();
+  shortest_ = kShortestBracket * surface.size();
   forward_ = line_ / length_;
   if (!(-axis_.dot(normal) >= kMinAxisCosine * axis_.norm())) axis_ = -normal;
   tangential_ = start.force.force - start.parts.normal * place.cone_axis;
@@ -155,7 +156,7 @@ bool SlipSearcher::along_section(double& slope) {
       if (!(excess > 0) && last_high) low_excess /= 2;
       last_low = excess > 0;
       last_high = !last_low;
-      if (high - low < kShortestBracket) return is_root(best_);
+      if (high - low < shortest_) return is_root(best_);
       at = low + low_excess / (low_excess - high_excess) * (high - low);
     }
   }
@@ -186,7 +187,7 @@ void SlipSearcher::in_plane(SlipMemory& memory, int most) {
     const Eigen::Vector3d along = slip_line(axis_, surface_.normal(from.triangle), direction);
     const Walk walk = surface_.walk(from, direction.cross(axis_), along, along.norm());
     const Eigen::Vector2d moved = axes * (walk.at.position - from.position);
-    if (!(moved.norm() > kShortestBracket)) return;
+    if (!(moved.norm() > shortest_)) return;
     evaluate(walk.at);
     note_border(walk);
     const Eigen::Vector2d now = axes * beyond_cone();
@@ -239,7 +240,7 @@ void SlipSearcher::keep_energy() {
   const double crossing =
       slope > 0 ? -2 * at_start / (slope + root) : (root - slope) / (2 * curvature);
   if (crossing > low && crossing < high) try_at(crossing);
-  if ((high - low) * length > kShortestBracket)
+  if ((high - low) * length > shortest_)
     try_at(low + low_cost / (low_cost - high_cost) * (high - low));
   // A contact that pulls would be lost, and all of its energy.
   if (best_.parts.normal < 0 && end.parts.normal >= 0) best_ = end;

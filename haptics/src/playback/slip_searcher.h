@@ -12,8 +12,8 @@
 
 namespace palpate::haptics {
 
-// The bracket is exhausted when it is this short [mm].
-inline constexpr double kShortestBracket = 1e-9;
+// The bracket is exhausted when it is this short, relative to the size of the surface.
+inline constexpr double kShortestBracket = 1e-11;
 inline constexpr int kMaxInPlane = 16;  // evaluations by Broyden's method
 
 /// One search for the place where a slip ends: `search_slip`.
@@ -32,7 +32,7 @@ class SlipSearcher {
   const SlipSearchOptions& options_;
   PlaceField& place_;
   Eigen::Vector3d axis_, line_, forward_;
-  double length_;
+  double length_, shortest_;  // [mm] of the line of Eq 5.19, and of a bracket
   SlidingContact best_, last_, nearest_;
   std::optional<Eigen::Vector3d> border_;  // a place from which the contact would go on beyond it
   Eigen::Vector3d tangential_ = Eigen::Vector3d::Zero();  // f_T of `last_`

@@ -17,7 +17,8 @@ constexpr std::size_t next_corner(std::size_t corner) { return corner == 2 ? 0 :
 
 }  // namespace
 
-SurfaceWalk::SurfaceWalk(const geometry::TriangleMesh& surface) {
+SurfaceWalk::SurfaceWalk(const geometry::TriangleMesh& surface)
+    : size_(geometry::bounding_diagonal(surface)) {
   for (const auto& vertex : surface.vertices.colwise()) vertices_.emplace_back(vertex);
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(surface);
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {

@@ -43,6 +43,8 @@ class SurfaceWalk {
   /// Precondition: the mesh is valid.
   explicit SurfaceWalk(const geometry::TriangleMesh& surface);
 
+  /// [mm] the diagonal of the box around the triangles.
+  [[nodiscard]] double size() const noexcept { return size_; }
   /// Outward unit normal; NaN for a triangle without area.
   [[nodiscard]] const Eigen::Vector3d& normal(int triangle) const noexcept {
     return triangles_[static_cast<std::size_t>(triangle)].normal;
@@ -77,6 +79,7 @@ class SurfaceWalk {
     std::array<int, 3> neighbours;
     Eigen::Vector3d normal;
   };
+  double size_;
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<Triangle> triangles_;
 
