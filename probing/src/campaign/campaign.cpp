@@ -26,7 +26,7 @@ constexpr double kSmallestForce = 2;
 /// A second trial is made iff the difference of coefficients that it resolves is at most this many
 /// standard deviations of the current estimate.
 constexpr double kCoarsest = 1;
-constexpr double kForceTolerance = 1e-4;  // [N] of a chosen force
+constexpr double kForceTolerance = 5e-5;  // of a chosen force, relative to the largest
 
 }  // namespace
 
@@ -107,9 +107,10 @@ struct Campaign::Impl {
   /// [N] The tangential force that slips with this probability, or the largest possible one.
   [[nodiscard]] double force_for(double probability) const {
     const Vector3d along = unit_tangent(), normal = normal_force() * pressing();
-    double low = 0, high = most_tangential();
+    const double most = most_tangential();
+    double low = 0, high = most;
     if (posterior->slip_probability(normal + high * along) <= probability) return high;
-    while (high - low > kForceTolerance) {
+    while (high - low > kForceTolerance * most) {
       const double middle = (low + high) / 2;
       (posterior->slip_probability(normal + middle * along) < probability ? low : high) = middle;
     }

@@ -28,7 +28,8 @@ constexpr double kInside = 0.98, kOutside = 1.02;
 /// Of the largest tangential force that holds, what every second direction has: forces all at the
 /// edge of the cone leave its inside to guesses (docs/trade-probing.md).
 constexpr double kSmallerDrag = 0.55;
-constexpr double kDragStep = 1e-6;  // [N] of the tangential force at which the tip slips
+/// Of the tangential force at which the tip slips, relative to the largest that is tried.
+constexpr double kDragStep = 1e-6;
 
 // What is tried at one level of the normal force.
 struct LevelOfTrials {
@@ -51,7 +52,7 @@ double slipping_force(const FrictionCone& cone, const Vector3d& normal_force, co
   };
   if (holds(most)) return most;
   double low = 0, high = most;
-  while (high - low > kDragStep) {
+  while (high - low > kDragStep * most) {
     const double middle = (low + high) / 2;
     (holds(middle) ? low : high) = middle;
   }
@@ -84,7 +85,7 @@ std::vector<LevelOfTrials> trials_at(const Specimen& specimen, const ContactPlan
       const double limit = slipping_force(cone, press.normal_force, along, most / kInside);
       const bool slips = limit < most / kInside;
       const double largest = kInside * limit;
-      if (!(largest > kDragStep)) continue;
+      if (!(largest > kDragStep * most)) continue;
       const bool smaller = (l + k) % 2 != 0;
       TrialOrder order = press;
       order.trial = first + 1 + 2 * k;

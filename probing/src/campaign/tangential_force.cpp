@@ -9,14 +9,14 @@ namespace palpate::probing {
 namespace {
 
 constexpr double kHoldingDeviations = 1.645;  // normal quantile for the probability `kHolding`
-constexpr double kForceStep = 1e-4;           // [N] of a chosen force
+constexpr double kForceStep = 5e-5;           // of a chosen force, relative to the largest
 
 // [N] The largest force from zero to `most` at which a condition holds that no larger force meets.
 template <typename Condition>
 double largest_force(double most, const Condition& holds) {
   if (holds(most)) return most;
   double low = 0, high = most;
-  while (high - low > kForceStep) {
+  while (high - low > kForceStep * most) {
     const double middle = (low + high) / 2;
     (holds(middle) ? low : high) = middle;
   }
