@@ -10,6 +10,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
+#include "palpate/probing/measurable.h"
 
 namespace palpate::probing {
 namespace {
@@ -94,8 +95,8 @@ ForceSurrogate::ForceSurrogate(std::span<const ForcePair> pairs, const Surrogate
   require("SurrogateOptions::force_noise", options.force_noise, at_least(0).finite(), "N");
   double forces = 0, displacements = 0;
   for (const ForcePair& pair : pairs) {
-    if (!pair.force.allFinite() || !pair.displacement.allFinite())
-      throw InvalidInput("ForceSurrogate: a pair is not finite");
+    if (!is_measurable(pair.force) || !is_measurable(pair.displacement))
+      throw InvalidInput("ForceSurrogate: a pair is not finite, or beyond 1e12 mm or N");
     forces_.push_back(pair.force);
     forces += pair.force.squaredNorm();
     displacements += pair.displacement.squaredNorm();

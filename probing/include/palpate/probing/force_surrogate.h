@@ -44,8 +44,8 @@ struct LeftOutPairs {
 /// which noise of forces also becomes noise of displacements, the same in all directions.
 class ForceSurrogate {
  public:
-  /// \throws InvalidInput if there is no pair, a number is not finite, all forces are zero, or an
-  /// option is outside its range.
+  /// \throws InvalidInput if there is no pair, a number is not measurable (`is_measurable`), all
+  /// forces are zero, or an option is outside its range.
   explicit ForceSurrogate(std::span<const ForcePair> pairs, const SurrogateOptions& options = {});
 
   [[nodiscard]] PredictedDisplacement predict(const Eigen::Vector3d& force) const;
