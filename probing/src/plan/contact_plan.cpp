@@ -282,6 +282,7 @@ std::vector<Eligibility> eligibility(const TriangleMesh& mesh, const PlanOptions
 }
 
 void visit(PlanOptions& options, FieldVisitor& visitor) {
+  constexpr double kMostTrials = 1000;  // levels, or directions; no arm tries as many at a contact
   constexpr Interval kForces = above(0).finite();
   visitor.begin("PlanOptions");
   visitor.choice({"pattern",
@@ -307,11 +308,11 @@ void visit(PlanOptions& options, FieldVisitor& visitor) {
                 "Largest normal force; at least lowest_force. Without it: 87 % of max_force", "N"},
                options.highest_force, kForces);
   visitor.whole({"levels", "Number of normal forces, in geometric progression"}, options.levels,
-                at_least(1));
+                at_least(1).at_most(kMostTrials));
   visitor.whole({"directions",
                  "Number of directions of the tangential force under each normal force, turned "
                  "from one to the next"},
-                options.directions, at_least(0));
+                options.directions, at_least(0).at_most(kMostTrials));
   visitor.real({"max_force", "Largest force that the arm applies; at least highest_force", "N"},
                options.max_force, kForces);
 }
