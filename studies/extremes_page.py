@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/extremes.md: what tests/extremes finds of each operation, theme by theme."""
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+THEMES = ["lengths 2^30", "forces 2^30", "2^100", "places", "turns", "orders", "degenerate", "options", "hosts"]
+
+HEAD = """# Extremes
+
+What each operation of the libraries does with numbers at the ends of what can be measured, and beyond. The table is written by
+`./dev studies extremes_page` from what the tests of `tests/extremes` find, which fail where something is neither right nor listed
+below as known.
+
+Each operation works on a small standard input: a sheet of 84 mm x 60 mm, a ball of about 40 mm, 400 points, 12 contacts with 576
+samples, a trajectory, and a frame of 160 x 120 px.
+
+| theme | what is done to the input | what must hold |
+|---|---|---|
+| lengths 2^30 | lengths times 2^-30, 2^-7 and 2^30 | the same numbers in the other unit |
+| forces 2^30 | forces times 2^-30, 2^-7 and 2^30 | the same |
+| 2^100 | lengths or forces times 2^-100 and 2^100 | the same, or refused in words |
+| places | moved by 2^20, 2^30 and 2^36 mm, to a place in UTM, and to a geocentric one | the same, moved along |
+| turns | turned by 1e-12, pi - 1e-9, pi and 2.1 rad | the same, turned along |
+| orders | vertices, triangles, points, contacts and samples in two other orders | the same, in that order |
+| degenerate | stray and equal vertices, needles of 1e8, one triangle, sizes from 1e-6 to 1e6, contacts 1e-9 apart, friction 0 and 100, black and white frames, and more | finite results, or refused in words |
+| options | each field of the options at NaN, infinities, 0, +-1e+-300, and at, inside and outside its bounds | outside: refused by name; inside: done within the time limit, finite or refused |
+| hosts | 4 threads, a locale with decimal commas, memory filled with 0xa5 | the same to the last bit |
+
+*exact*: the same to the last bit. A number: the largest relative difference, within what the operation states or coordinates can
+tell at that place. *finite*: only that is asked. *n of m refused*: so many of the cases are refused in words. A letter: a known
+deviation, below the table. An empty cell: the theme does not change what the operation uses.
+
+"""
+
+
+def table_of(program):
+    with tempfile.TemporaryDirectory() as folder:
+        table = Path(folder) / "table.tsv"
+        tested = subprocess.run([program, "--gtest_brief=1"], check=False, stdout=subprocess.DEVNULL,
+                                env=dict(os.environ, PALPATE_EXTREMES_TABLE=str(table)))
+        if tested.returncode != 0:
+            sys.exit("tests/extremes fails; mend that first")
+        return [line.split("\t") for line in table.read_text().splitlines()]
+
+
+def main():
+    program, page = sys.argv[1:]
+    table, cells, reasons = table_of(program), {}, []
+    # In the order of the list; what only the large size runs comes last.
+    operations = list(dict.fromkeys([row[0] for row in table if row[1] == "hosts"] + [row[0] for row in table]))
+    for operation, theme, found in table:
+        if found.startswith("known: "):
+            reason = found.removeprefix("known: ")
+            if reason not in reasons:
+                reasons.append(reason)
+            found = chr(ord("A") + reasons.index(reason))
+        cells[operation, theme] = found
+    lines = [f"| operation | {' | '.join(THEMES)} |", "|---" * (1 + len(THEMES)) + "|"]
+    for operation in operations:
+        lines.append(f"| {operation} | " + " | ".join(cells.get((operation, theme), "") for theme in THEMES) + " |")
+    lines += ["", "Known deviations:", ""]
+    lines += [f"- {chr(ord('A') + i)}: {reason}." for i, reason in enumerate(reasons)]
+    Path(page).write_text(HEAD + "\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "operations.h"
+#include "palpate/geometry/cloud_ball.h"
+#include "palpate/geometry/cloud_clusters.h"
+#include "palpate/geometry/cloud_distance.h"
+#include "palpate/geometry/cloud_normals.h"
+#include "palpate/geometry/cloud_outliers.h"
+#include "palpate/geometry/cloud_sampling.h"
+#include "palpate/geometry/cloud_shapes.h"
+#include "palpate/geometry/mesh_distance.h"
+
+namespace palpate::extremes {
+namespace {
+
+using namespace geometry;
+
+/// Which points are chosen, in the order of the cloud.
+Result chosen(const std::vector<int>& indices, const Input& input, double tolerance = 1e-9) {
+  Eigen::VectorXd is_chosen = Eigen::VectorXd::Zero(input.cloud.cols());
+  for (const int i : indices) is_chosen[i] = 1;
+  return numbers("chosen", is_chosen, kNumber, &Order::cloud, tolerance);
+}
+
+/// Normals whose side does not matter, as products with themselves.
+Result planes(const Eigen::Matrix3Xd& normals) {
+  return unknown_allowed(
+      numbers("planes", normals.colwise().squaredNorm().transpose(), kNumber, &Order::cloud));
+}
+
+Results voxels(const Input& input, const Change&) {
+  const VoxelSample sample = voxel_sample(input.cloud, 4 * input.length);
+  return {number("voxels", static_cast<double>(sample.points.cols()), kNumber, kRoughly)};
+}
+
+Results poisson(const Input& input, const Change&) {
+  return {chosen(poisson_sample(input.cloud, 3 * input.length), input)};
+}
+
+Results statistics(const Input& input, const Change&) {
+  return {chosen(without_outliers(input.cloud, {.max_deviations = 1.5}), input)};
+}
+
+Results isolated(const Input& input, const Change&) {
+  return {chosen(without_isolated(input.cloud, 3.5 * input.length, 4), input)};
+}
+
+Results normals_of(const Input& input, const Change&) {
+  const CloudNormals found = cloud_normals(input.cloud);
+  return {unknown_allowed(vectors("normals", found.normals, kNumber, &Order::cloud, 1e-7)),
+          planes(found.normals)};
+}
+
+Results clusters(const Input& input, const Change&) {
+  const CloudClusters found = cloud_clusters(input.cloud, {.max_gap = 2 * input.length});
+  Eigen::VectorXd sizes(static_cast<Eigen::Index>(found.sizes.size()));
+  for (Eigen::Index i = 0; i < sizes.size(); ++i)
+    sizes[i] = found.sizes[static_cast<std::size_t>(i)];
+  return {numbers("sizes", sizes)};
+}
+
+Results distances(const Input& input, const Change&) {
+  return {unknown_allowed(numbers("to the cloud", distances_to_cloud(input.places, input.cloud),
+                                  kLength, &Order::places)),
+          unknown_allowed(
+              numbers("to the third", neighbour_distances(input.cloud, 3), kLength, &Order::cloud)),
+          unknown_allowed(numbers("to the ball", distances_to_surface(input.cloud, input.ball),
+                                  kLength, &Order::cloud))};
+}
+
+CloudShapeOptions shape_options_of(const Input& input) {
+  return {.tolerance = 1.5 * input.length, .min_share = 0.1, .max_radius = 60 * input.length};
+}
+
+Results plane(const Input& input, const Change&) {
+  const auto found = find_plane(input.cloud, shape_options_of(input));
+  return {
+      number("found", found ? 1 : 0),
+      number("inliers", found ? static_cast<double>(found->inliers.size()) : 0, kNumber, kRoughly),
+      number("rms", found ? found->rms : 0, kLength, kRoughly)};
+}
+
+Results sphere(const Input& input, const Change&) {
+  const auto found = find_sphere(input.cloud, shape_options_of(input));
+  return {
+      number("found", found ? 1 : 0),
+      number("inliers", found ? static_cast<double>(found->inliers.size()) : 0, kNumber, kRoughly),
+      number("radius", found ? found->radius : 0, kLength, kRoughly)};
+}
+
+Results cylinder(const Input& input, const Change&) {
+  const auto found =
+      find_cylinder(input.cloud, cloud_normals(input.cloud).normals, shape_options_of(input));
+  return {number("found", found ? 1 : 0), number("radius", found ? found->radius : 0, kLength, 1)};
+}
+
+Results seen_ball(const Input& input, const Change&) {
+  // The cloud before a camera, wherever the object is.
+  const Eigen::Vector3d away(0, 0, 400 * input.length);
+  const Eigen::Matrix3Xd points = (input.place.inverse() * input.cloud).colwise() + away;
+  const Eigen::Matrix3Xd normals =
+      cloud_normals(points, {.viewpoints = Eigen::Matrix3Xd::Zero(3, 1)}).normals;
+  const auto found = find_ball(points, normals, 20 * input.length);
+  return {number("found", found ? 1 : 0), number("rms", found ? found->rms : 0, kLength)};
+}
+
+}  // namespace
+
+std::vector<Operation> cloud_operations() {
+  return {
+      {"voxel_sample", kCloud, voxels, 0, 8},
+      {"poisson_sample", kCloud, poisson, 0, 0},
+      {"without_outliers", kCloud, statistics, 0, 0},
+      {"without_isolated", kCloud, isolated, 0, 0},
+      {"cloud_normals", kCloud, normals_of, 0, 64},
+      {"cloud_clusters", kCloud, clusters, 0, 0},
+      {"distances of points", kCloud | kPlaces | kBall, distances, 0, 8},
+      {"find_plane", kCloud, plane, 0, 64},
+      {"find_sphere", kCloud, sphere, 0, 64},
+      {"find_cylinder", kCloud, cylinder, 0, 64},
+      {"find_ball", kCloud, seen_ball, 0, 1e3},
+  };
+}
+
+}  // namespace palpate::extremes

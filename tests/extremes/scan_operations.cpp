@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+
+#include "operations.h"
+#include "palpate/geometry/merge_scans.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/range_map.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_smoothing.h"
+#include "palpate/geometry/register_scans.h"
+#include "palpate/geometry/registration.h"
+#include "palpate/geometry/surface_tracker.h"
+#include "palpate/geometry/zipper_scans.h"
+
+namespace palpate::extremes {
+namespace {
+
+using namespace geometry;
+using Eigen::Vector3d;
+
+/// Two views of the sheet: its triangles left of a line, and those right of another.
+std::array<Scan, 2> scans_of(const Input& input) {
+  std::array<Scan, 2> scans;
+  const Vector3d along = input.place.linear().col(0);
+  for (int side = 0; side < 2; ++side) {
+    Scan& scan = scans[static_cast<std::size_t>(side)];
+    scan.mesh = input.sheet;
+    Eigen::Index kept = 0;
+    for (Eigen::Index t = 0; t < input.sheet.triangles.cols(); ++t) {
+      const Vector3d middle =
+          input.sheet.vertices(Eigen::all, input.sheet.triangles.col(t)).rowwise().mean();
+      const double x = (middle - input.place.translation()).dot(along) / input.length;
+      if (side == 0 ? x < 57.1 : x > 26.7)
+        scan.mesh.triangles.col(kept++) = input.sheet.triangles.col(t);
+    }
+    scan.mesh.triangles.conservativeResize(3, kept);
+    scan.name = side == 0 ? "left" : "right";
+  }
+  return scans;
+}
+
+Results registration(const Input& input, const Change& change) {
+  RegistrationOptions options{.search_rotation = 0.1, .search_translation = 0};
+  // Points that are turned and moved a little in the object's own frame.
+  Eigen::Isometry3d off = Eigen::Isometry3d::Identity();
+  off.linear() = Eigen::AngleAxisd(0.03, Vector3d(0.2, 1, 0.4).normalized()).toRotationMatrix();
+  off.translation() = input.length * Vector3d(0.6, -0.3, 0.4);
+  off = input.place * off * input.place.inverse();
+  change(fields_of(options));
+  const Registration found = register_points(off * input.cloud, input.ball, options);
+  const Eigen::Matrix3Xd back = found.T_target_source * (off * input.cloud);
+  // Fits to a noisy cloud differ by what the refinement leaves.
+  constexpr double kLeft = 2e-4;
+  return {unknown_allowed(number("rms", found.rms, kLength, 0.03)),
+          unknown_allowed(places("points", back, &Order::cloud, kLeft)),
+          number("accepted", found.verdict == RegistrationVerdict::accepted ? 1 : 0)};
+}
+
+Results merging(const Input& input, const Change& change) {
+  MergeScansOptions options{.spacing = 4 * input.length, .max_memory = 0.5};
+  change(fields_of(options));
+  const MergedScans merged = merge_scans(scans_of(input), options);
+  return {number("area", surface_area(merged.mesh), kArea, kRoughly),
+          number("spacing", merged.spacing, kLength)};
+}
+
+Results zippering(const Input& input, const Change&) {
+  const ZipperedScans joined = zipper_scans(scans_of(input));
+  return {number("area", surface_area(joined.mesh), kArea, kRoughly),
+          number("spacing", joined.spacing, kLength, 1e-6)};
+}
+
+Results scan_registration(const Input& input, const Change& change) {
+  RegistrationOptions options{.search_rotation = 0, .search_translation = 0};
+  change(fields_of(options));
+  const std::vector<Registration> found = register_scans(scans_of(input), options);
+  Eigen::VectorXd rms(static_cast<Eigen::Index>(found.size()));
+  for (Eigen::Index i = 0; i < rms.size(); ++i) rms[i] = found[static_cast<std::size_t>(i)].rms;
+  // The scans agree exactly: what is left is rounding.
+  return {unknown_allowed(numbers("rms", rms, kLength, nullptr, kAnything))};
+}
+
+/// A range map of a bump, seen by a camera of its own: it does not move with the object.
+RangeMap range_map_of_bump(const Input& input, double shift = 0) {
+  RangeMap map;
+  map.camera = {.width = 48, .height = 36, .fx = 60, .fy = 60, .cx = 23.5, .cy = 17.5};
+  map.z.resize(36, 48);
+  for (int v = 0; v < 36; ++v) {
+    for (int u = 0; u < 48; ++u) {
+      const double x = (u - 20 - shift) / 9.0, y = (v - 16) / 8.0;
+      const double z = 300 - 25 * std::exp(-(x * x + y * y) / 2) + 4 * std::sin(0.3 * u + 0.2 * v);
+      map.z(v, u) = static_cast<float>(z * input.length);
+    }
+  }
+  for (int u = 5; u < 8; ++u) map.z.col(u).head(4).setConstant(NAN);
+  return map;
+}
+
+Results map_mesh(const Input& input, const Change&) {
+  const RangeMapMesh found = mesh_range_map(range_map_of_bump(input));
+  return {number("area", surface_area(found.mesh), kArea),
+          number("triangles", static_cast<double>(found.mesh.triangles.cols()))};
+}
+
+Results map_smoothing(const Input& input, const Change&) {
+  const RangeMap map = range_map_of_bump(input);
+  const ImageF sigma =
+      ImageF::Constant(map.z.rows(), map.z.cols(), static_cast<float>(0.2 * input.length));
+  const ImageF smooth = smooth_range_map(map.z, sigma);
+  return {unknown_allowed(numbers("depths", smooth.cast<double>().reshaped().matrix(), kLength))};
+}
+
+Results tracking(const Input& input, const Change& change) {
+  TrackingOptions options{.nodes = 30};
+  change(fields_of(options));
+  SurfaceTracker tracker(options, mesh_range_map(range_map_of_bump(input)).mesh);
+  const TrackedSurface found = tracker.track(range_map_of_bump(input, 0.5));
+  return {number("found", found.lost.empty() ? 1 : 0),
+          unknown_allowed(number("rms", found.figures.rms, kLength)),
+          unknown_allowed(number("stretch", found.figures.stretch))};
+}
+
+}  // namespace
+
+std::vector<Operation> scan_operations() {
+  return {
+      {"register_points", kOptions | kCloud | kBall, registration, 0, 1e4, 3},
+      {"merge_scans", kOptions | kSheet, merging, 0, 64, 3},
+      {"zipper_scans", kSheet, zippering, 0, 64},
+      {"register_scans", kOptions | kSheet, scan_registration, 0, 1e4, 3},
+      {"mesh_range_map", kFrame, map_mesh},
+      {"smooth_range_map", kFrame, map_smoothing},
+      {"SurfaceTracker", kOptions | kFrame, tracking, 0, 0, 3},
+  };
+}
+
+}  // namespace palpate::extremes
