@@ -4,6 +4,7 @@
 
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/merge_scans.h"
+#include "palpate/geometry/range_map_selection.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/surface_tracker.h"
 
@@ -16,6 +17,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(tracking, visitor);
   MergeScansOptions merging;
   visit(merging, visitor);
+  RangeMapSelectionOptions selection;
+  visit(selection, visitor);
   RegistrationOptions registration;
   visit(registration, visitor);
 }
