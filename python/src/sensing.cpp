@@ -10,8 +10,10 @@
 #include "bindings.h"
 #include "fields.h"
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/decode_verdict.h"
+#include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern.h"
@@ -138,12 +140,15 @@ Raises FileError or InvalidInput. Ctrl-C is not heard.)");
 Colours are blue, green, red, as in OpenCV. Raises FileError.)");
   module.def(
       "read_range_map",
-      [](const fs::path& path, const std::optional<fs::path>& rig) {
+      [](const fs::path& path, const std::optional<fs::path>& rig,
+         const std::optional<double>& scale) {
         geometry::RangeMap map;
         {
           const Unlocked unlocked;
-          map = {.z = geometry::read_depth_tiff(path),
-                 .camera = sensing::read_camera(rig.value_or(path.parent_path() / "rig.yaml"))};
+          const geometry::Camera camera =
+              sensing::read_camera(rig.value_or(path.parent_path() / "rig.yaml"));
+          map = scale ? sensing::read_depth_image(path, *scale, camera)
+                      : geometry::RangeMap{geometry::read_depth_tiff(path), camera};
         }
         if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
           throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
@@ -152,13 +157,14 @@ Colours are blue, green, red, as in OpenCV. Raises FileError.)");
                              std::to_string(map.camera.height) +
                              ". Pass the rig that this range map was made with.");
         }
-        tell_doubts(path.string(), sensing::range_map_doubts(map));
+        tell_doubts(path.string(), sensing::range_map_doubts(map, scale));
         return map;
       },
-      arg("path"), arg("rig") = py::none(),
-      R"(Reads a range map (float32 TIFF, mm), as `palpate decode` writes it.
+      arg("path"), arg("rig") = py::none(), arg("scale") = py::none(),
+      R"(Reads a range map (float32 TIFF, mm), as `palpate decode` writes it, or a depth image (16-bit PNG).
 
-rig: file with its camera; None: rig.yaml beside it. Warns of a camera or depths that are unlikely.
+rig: file with its camera, of Palpate, ROS, RealSense or Open3D; None: rig.yaml beside it.
+scale: of a depth image, the length of one unit [mm]; None: a range map. Warns of a camera or depths that are unlikely.
 Raises FileError, or InvalidInput if the sizes differ, or camera or depths are impossible.)");
 }
 

@@ -17,7 +17,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/sensing/rig.h"
+#include "palpate/sensing/camera_file.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {

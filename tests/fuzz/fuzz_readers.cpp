@@ -32,6 +32,7 @@
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/finite_element_mesh.h"
 #include "palpate/probing/specimen_file.h"
+#include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
@@ -82,6 +83,7 @@ const std::map<std::string, Reader>& readers() {
           (void)sensing::read_depth_image(path, kMillimetre, camera);
         }}},
       {"rig", {"a.yaml", of(sensing::read_rig)}},
+      {"camera", {"a.json", of(sensing::read_camera_file)}},
       {"pattern", {"a.yaml", of(sensing::read_pattern)}},
       {"colors", {"a.yaml", of(sensing::read_trained_colors)}},
       {"response", {"a.yaml", of(sensing::read_response)}},

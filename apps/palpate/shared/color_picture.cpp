@@ -7,11 +7,60 @@
 #include <string>
 
 #include "palpate/core/error.h"
+#include "palpate/sensing/camera_file.h"
+#include "palpate/sensing/depth_recording.h"
 #include "palpate/sensing/frame.h"
-#include "palpate/sensing/rig.h"
 #include "shared/surface_colors.h"
 
 namespace palpate::apps {
+namespace {
+
+/// A picture of the camera's size.
+cv::Mat read_picture(const std::filesystem::path& file, const geometry::Camera& camera) {
+  cv::Mat picture = sensing::read_frame(file);
+  if (picture.cols != camera.width || picture.rows != camera.height) {
+    throw FileError(fmt::format(
+        "{}: is {} x {} px; the size of the range map, {} x {} px, is expected: colour and depth "
+        "images must be aligned, pixel by pixel",
+        file.string(), picture.cols, picture.rows, camera.width, camera.height));
+  }
+  return picture;
+}
+
+/// The colour image that a recording has for a depth image, if `folder` is the recording or the
+/// folder of its colour images; else empty.
+std::filesystem::path recorded_color(const std::filesystem::path& folder,
+                                     const std::filesystem::path& depth_image) {
+  const std::filesystem::path recording =
+      std::filesystem::absolute(depth_image).parent_path().parent_path();
+  if (!sensing::is_depth_recording(recording)) return {};
+  for (const sensing::RecordedDepth& frame : sensing::read_depth_recording(recording)) {
+    if (frame.depth.filename() != depth_image.filename() || frame.color.empty()) continue;
+    if (std::filesystem::equivalent(folder, recording) ||
+        std::filesystem::equivalent(folder, frame.color.parent_path()))
+      return frame.color;
+  }
+  return {};
+}
+
+/// The picture of a range map in a folder.
+/// \throws FileError if there is none.
+std::filesystem::path picture_of(const std::filesystem::path& folder,
+                                 const std::filesystem::path& range_map) {
+  if (!is_folder(folder)) throw FileError(folder.string() + ": is not a folder");
+  const std::string name = range_map.stem().string();
+  for (const char* ending : {"_color.png", ".png", ".jpg", ".tiff"}) {
+    std::filesystem::path file = folder / (name + ending);
+    if (is_there(file) && !std::filesystem::equivalent(file, range_map)) return file;
+  }
+  std::filesystem::path file = recorded_color(folder, range_map);
+  if (!file.empty()) return file;
+  throw FileError(fmt::format("{}: has no picture of {} ({}_color.png, {}.png, {}.jpg or {}.tiff)",
+                              folder.string(), range_map.filename().string(), name, name, name,
+                              name));
+}
+
+}  // namespace
 
 geometry::Attributes colors_beside(const std::filesystem::path& range_map,
                                    const Eigen::Matrix3Xd& vertices, const MapCamera& camera) {
@@ -34,36 +83,30 @@ geometry::Attributes colors_beside(const std::filesystem::path& range_map,
   return colors_of(vertices, seen_by, color);
 }
 
+geometry::Attributes colors_in(const std::filesystem::path& folder,
+                               const std::filesystem::path& range_map,
+                               const Eigen::Matrix3Xd& vertices, const geometry::Camera& camera) {
+  const std::filesystem::path file = picture_of(folder, range_map);
+  const cv::Mat picture = read_picture(file, camera);
+  if (picture.depth() != CV_8U) throw FileError(file.string() + ": has 16 bit; 8 are expected");
+  return colors_of(vertices, camera, picture);
+}
+
 geometry::ImageF intensities_in(const std::filesystem::path& folder,
                                 const std::filesystem::path& range_map,
                                 const geometry::Camera& camera) {
-  if (!is_folder(folder)) throw FileError(folder.string() + ": is not a folder");
-  const std::string name = range_map.stem().string();
-  for (const char* ending : {"_color.png", ".png", ".jpg", ".tiff"}) {
-    const std::filesystem::path file = folder / (name + ending);
-    if (!is_there(file) || std::filesystem::equivalent(file, range_map)) continue;
-    cv::Mat picture;
-    sensing::read_frame(file).convertTo(picture, CV_32F);
-    if (picture.cols != camera.width || picture.rows != camera.height) {
-      throw FileError(
-          fmt::format("{}: is {} x {} px; the size of the range map, {} x {} px, is "
-                      "expected",
-                      file.string(), picture.cols, picture.rows, camera.width, camera.height));
+  cv::Mat picture;
+  read_picture(picture_of(folder, range_map), camera).convertTo(picture, CV_32F);
+  const int channels = picture.channels();
+  geometry::ImageF intensities = geometry::ImageF::Zero(picture.rows, picture.cols);
+  for (int row = 0; row < picture.rows; ++row) {
+    for (int column = 0; column < picture.cols; ++column) {
+      const float* pixel = picture.ptr<float>(row) + channels * column;
+      for (int i = 0; i < channels; ++i)
+        intensities(row, column) += pixel[i] / static_cast<float>(channels);
     }
-    const int channels = picture.channels();
-    geometry::ImageF intensities = geometry::ImageF::Zero(picture.rows, picture.cols);
-    for (int row = 0; row < picture.rows; ++row) {
-      for (int column = 0; column < picture.cols; ++column) {
-        const float* pixel = picture.ptr<float>(row) + channels * column;
-        for (int i = 0; i < channels; ++i)
-          intensities(row, column) += pixel[i] / static_cast<float>(channels);
-      }
-    }
-    return intensities;
   }
-  throw FileError(fmt::format("{}: has no picture of {} ({}_color.png, {}.png, {}.jpg or {}.tiff)",
-                              folder.string(), range_map.filename().string(), name, name, name,
-                              name));
+  return intensities;
 }
 
 }  // namespace palpate::apps

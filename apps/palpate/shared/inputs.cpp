@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/inputs.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -11,16 +12,21 @@
 #include <set>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
+#include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/depth_image.h"
+#include "palpate/sensing/depth_recording.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/rig_doubts.h"
 #include "shared/call_checks.h"
+#include "shared/depth_score.h"
+#include "shared/field_options.h"
 #include "shared/result_folder.h"
 
 namespace palpate::apps {
@@ -85,6 +91,12 @@ InvalidInput both_kinds(const fs::path& range_map, const fs::path& depth_image) 
 /// Lists the range maps, or the depth images if there are none. Pictures beside range maps are
 /// neither.
 std::vector<fs::path> range_maps_in(const fs::path& folder) {
+  if (sensing::is_depth_recording(folder)) {
+    std::vector<fs::path> depths;
+    for (const sensing::RecordedDepth& frame : sensing::read_depth_recording(folder))
+      depths.push_back(frame.depth);
+    return depths;
+  }
   check_is_of_one_run(folder);
   std::vector<fs::path> maps, images;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -103,12 +115,26 @@ std::vector<fs::path> range_maps_in(const fs::path& folder) {
     return maps;
   }
   if (images.empty()) {
+    const bool has_depths = is_there(folder / "depth");
     throw FileError(folder.string() +
                     ": there is no range map in it; expected a folder of range maps (tiff), as "
-                    "palpate decode writes them, or of depth images (16-bit PNG).");
+                    "palpate decode writes them, or of depth images (16-bit PNG)" +
+                    (has_depths ? "; pass " + (folder / "depth").string() + "." : "."));
   }
   std::ranges::for_each(images, check_depth_image);
   return images;
+}
+
+/// [mm] The length of one unit of a depth image, if it is known.
+std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& camera) {
+  if (camera.scale) return camera.scale;
+  if (!camera.rig.empty()) {
+    const std::optional<double> unit = sensing::read_camera_file(camera.rig).mm_per_unit;
+    if (unit) return unit;
+  }
+  const fs::path recording = fs::absolute(depth_image).parent_path().parent_path();
+  if (sensing::is_depth_recording(recording)) return sensing::kRecordingUnit;
+  return std::nullopt;
 }
 
 geometry::Camera camera_of(const fs::path& depth_image, const MapCamera& camera) {
@@ -134,6 +160,70 @@ geometry::RangeMap read_range_map(const fs::path& path, const MapCamera& camera)
                        ". Pass the rig that this range map was made with.");
   }
   return map;
+}
+
+/// The mask of a range map; empty if there is none.
+geometry::PixelMask mask_of(const fs::path& range_map, const geometry::RangeMap& map,
+                            const fs::path& mask) {
+  if (mask.empty()) return {};
+  if (!is_folder(mask)) return read_mask(mask, map.z);
+  return read_mask(mask / (range_map.stem().string() + ".png"), map.z);
+}
+
+/// What each option that is given has left out, in words: "12 nearer than --near 300".
+std::string left_out_in_words(const geometry::RangeMapSelection& selection,
+                              const MapCamera& camera) {
+  const geometry::RangeMapSelectionOptions& options = camera.selection;
+  std::vector<std::string> words;
+  if (options.near)
+    words.push_back(
+        fmt::format("{} are nearer than --near {:g}", selection.too_near, *options.near));
+  if (options.far)
+    words.push_back(fmt::format("{} are farther than --far {:g}", selection.too_far, *options.far));
+  if (!options.crop.empty())
+    words.push_back(fmt::format("{} are outside --crop", selection.outside_crop));
+  if (!camera.mask.empty()) words.push_back(fmt::format("{} are outside --mask", selection.masked));
+  if (options.remove_plane)
+    words.push_back(
+        fmt::format("{} are on the plane of --remove-plane or behind it", selection.on_plane));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// Tells which options have left out nothing, each once.
+void tell_idle_options(const fs::path& path, const geometry::RangeMapSelection& selection,
+                       const MapCamera& camera) {
+  const geometry::RangeMapSelectionOptions& options = camera.selection;
+  std::vector<sensing::Doubt> doubts;
+  const auto tell = [&](bool given, long left_out, const char* option, const std::string& why) {
+    if (given && left_out == 0)
+      doubts.push_back(
+          {.subject = option, .message = fmt::format("{} leaves out nothing: {}", option, why)});
+  };
+  tell(options.near.has_value(), selection.too_near, "--near",
+       fmt::format("the nearest depth is {:.4g} mm", selection.nearest));
+  tell(options.far.has_value(), selection.too_far, "--far",
+       fmt::format("the farthest depth is {:.4g} mm", selection.farthest));
+  tell(!options.crop.empty(), selection.outside_crop, "--crop", "all points are inside");
+  tell(!camera.mask.empty(), selection.masked, "--mask", "all depths are inside");
+  tell(options.remove_plane.has_value(), selection.on_plane, "--remove-plane",
+       fmt::format("no plane has {:.0f} % of the points within {:g} mm",
+                   100 * geometry::kLeastPlane, options.remove_plane.value_or(0)));
+  tell_doubts(path.string(), doubts);
+}
+
+/// \throws InvalidInput if nothing is left of some depths.
+geometry::ImageF selected_depths(const fs::path& path, const geometry::RangeMap& map,
+                                 const MapCamera& camera) {
+  geometry::RangeMapSelection selection =
+      geometry::select_depths(map, camera.selection, mask_of(path, map, camera.mask));
+  if (selection.known > 0 && selection.kept == 0) {
+    throw InvalidInput(
+        fmt::format("{}: no depth is left: of {} pixels with a depth ({:.4g} to {:.4g} mm), {}",
+                    path.string(), selection.known, selection.nearest, selection.farthest,
+                    left_out_in_words(selection, camera)));
+  }
+  if (selection.known > 0) tell_idle_options(path, selection, camera);
+  return std::move(selection.z);
 }
 
 bool may_be_mesh(const fs::path& path) {
@@ -219,16 +309,27 @@ fs::path noise_beside(const fs::path& range_map) {
 }
 
 void add_camera_options(CLI::App& command, MapCamera& camera) {
-  command.add_option("--rig", camera.rig,
-                     "Rig of the range map, or camera of the depth image (default: rig.yaml "
-                     "beside it)");
-  command.add_option("--scale", camera.scale, "Depth image: length of one unit [mm]")
+  command.add_option("--rig,--camera", camera.rig,
+                     "Rig of the range map, or camera of the depth image: a file of Palpate, ROS "
+                     "(camera_info), RealSense or Open3D (default: rig.yaml beside it)");
+  command
+      .add_option("--scale", camera.scale,
+                  "Depth image: length of one unit [mm] (default: as recorded by Open3D, and 0.2 "
+                  "beside a depth.txt, the layout of TUM RGB-D)")
       ->check(within(above(0)));
   command
       .add_option("--intrinsics", camera.intrinsics,
-                  "Depth image: fx,fy,cx,cy of its camera [px], instead of --rig")
+                  "Depth image: fx,fy,cx,cy of its camera [px], instead of --camera")
       ->expected(4)
       ->delimiter(',');
+}
+
+void add_selection_options(CLI::App& command, MapCamera& camera) {
+  add_fields(command, fields_of(camera.selection));
+  command.add_option(
+      "--mask", camera.mask,
+      "Leave out depths where this image is 0 (PNG of the size of the range map); or "
+      "a folder that has NAME.png for each range map NAME");
 }
 
 void check_camera_options(const fs::path& path, const MapCamera& camera) {
@@ -237,29 +338,38 @@ void check_camera_options(const fs::path& path, const MapCamera& camera) {
     throw InvalidInput(path.string() + ": " + (camera.scale ? "--scale" : "--intrinsics") +
                        " works for depth images (16-bit PNG), which this is not");
   }
-  if (!camera.scale) {
+  if (!unit_of(path, camera)) {
     throw InvalidInput(path.string() +
-                       ": a depth image needs --scale, the length of one unit in mm.");
+                       ": a depth image needs --scale, the length of one unit in mm: 1 for most "
+                       "RealSense and Kinect cameras.");
   }
   if (!camera.intrinsics.empty() && !camera.rig.empty()) {
     throw InvalidInput(path.string() +
-                       ": --intrinsics and --rig both give its camera; pass one of them.");
+                       ": --intrinsics and --camera (or --rig) both give its camera; pass one of "
+                       "them.");
   }
   if (camera.intrinsics.empty() && camera.rig.empty() &&
       !is_there(path.parent_path() / "rig.yaml")) {
     throw InvalidInput(path.string() +
-                       ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px], --rig, or "
-                       "a rig.yaml beside it.");
+                       ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px], --camera "
+                       "FILE, or a rig.yaml beside it.");
   }
 }
 
 geometry::RangeMap load_range_map(const fs::path& path, const MapCamera& camera) {
   check_is_depths(path);
   check_camera_options(path, camera);
-  geometry::RangeMap map =
-      is_range_map(path) ? read_range_map(path, camera)
-                         : sensing::read_depth_image(path, *camera.scale, camera_of(path, camera));
-  tell_doubts(path.string(), sensing::range_map_doubts(map));
+  geometry::RangeMap map;
+  std::optional<double> unit;  // of a depth image
+  if (is_range_map(path)) {
+    map = read_range_map(path, camera);
+  } else {
+    unit = unit_of(path, camera);
+    map = sensing::read_depth_image(path, *unit, camera_of(path, camera));
+  }
+  tell_doubts(path.string(), sensing::range_map_doubts(map, unit));
+  if (geometry::selects(camera.selection) || !camera.mask.empty())
+    map.z = selected_depths(path, map, camera);
   return map;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "palpate/geometry/range_map.h"
+#include "palpate/geometry/range_map_selection.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/rig_doubts.h"
@@ -28,22 +29,32 @@ namespace palpate::apps {
 
 /// Camera of range maps (TIFF), and camera and unit of depth images (16-bit PNG) of other cameras.
 struct MapCamera {
-  std::filesystem::path rig = {};    ///< rig or camera file; if empty, the rig.yaml beside the map
-  std::optional<double> scale = {};  ///< [mm] length of one unit of a depth image
+  std::filesystem::path rig = {};  ///< rig or camera file; if empty, the rig.yaml beside the map
+  /// [mm] Length of one unit of a depth image; if missing, as the camera file or the layout of the
+  /// recording tells.
+  std::optional<double> scale = {};
   std::vector<double> intrinsics = {};  ///< of a depth image: fx, fy, cx, cy [px]; empty: see `rig`
+  geometry::RangeMapSelectionOptions selection = {};  ///< of the depths to keep
+  /// Image whose non-zero pixels are kept, or a folder with NAME.png for each range map NAME; may
+  /// be empty.
+  std::filesystem::path mask = {};
 };
 
-/// Adds the options `--rig`, `--scale` and `--intrinsics`.
+/// Adds the options `--rig` (or `--camera`), `--scale` and `--intrinsics`.
 void add_camera_options(CLI::App& command, MapCamera& camera);
+
+/// Adds the options that select depths: `--near`, `--far`, `--crop`, `--mask`, `--remove-plane`.
+void add_selection_options(CLI::App& command, MapCamera& camera);
 
 /// Checks that the options suit a range map or a depth image, without reading it.
 /// \throws InvalidInput.
 void check_camera_options(const std::filesystem::path& path, const MapCamera& camera);
 
 /// Reads a range map or a depth image, and tells what is unlikely about its camera and depths.
-/// \throws FileError if it or its rig is missing or damaged.
-/// \throws InvalidInput if the options do not suit it, if its size is not the camera's, or if there
-/// cannot be such a camera or such depths.
+/// Selects depths as the options say, and tells which of them leave out nothing.
+/// \throws FileError if it, its rig or its mask is missing or damaged.
+/// \throws InvalidInput if the options do not suit it, if its size is not the camera's, if there
+/// cannot be such a camera or such depths, or if the options leave out all of them.
 [[nodiscard]] geometry::RangeMap load_range_map(const std::filesystem::path& path,
                                                 const MapCamera& camera);
 
@@ -94,7 +105,7 @@ void check_output_folder(const std::vector<std::filesystem::path>& inputs,
 [[nodiscard]] std::vector<std::filesystem::path> list_meshes(const std::filesystem::path& folder);
 
 /// Lists range maps or depth images: a folder in `paths` is replaced by those in it by name,
-/// without the other files that `decode` writes.
+/// without the other files that `decode` writes, or by the depth images that its depth.txt lists.
 /// \throws FileError if a folder has none, or a PNG has other pixels than those of a depth image.
 /// \throws InvalidInput if there are both range maps and depth images, or files of another type.
 [[nodiscard]] std::vector<std::filesystem::path> list_range_maps(

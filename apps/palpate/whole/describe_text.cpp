@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
@@ -31,10 +32,18 @@ namespace {
 namespace fs = std::filesystem;
 
 Description describe_camera(const fs::path& path) {
-  const geometry::Camera camera = sensing::read_camera(path);
+  const sensing::CameraFile file = sensing::read_camera_file(path);
+  const geometry::Camera& camera = file.camera;
+  const auto terms = std::ranges::count_if(camera.distortion, [](double k) { return k != 0; });
   return {{{"kind", "camera"}, {"camera_size", {camera.width, camera.height}}},
-          fmt::format("camera, {} x {} px, focal lengths {:.1f} and {:.1f} px", camera.width,
-                      camera.height, camera.fx, camera.fy)};
+          fmt::format("camera, {} x {} px, focal lengths {:.1f} and {:.1f} px, principal point "
+                      "{:.1f}, {:.1f} px, {}, in the format of {}{}",
+                      camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
+                      terms == 0 ? "no lens distortion" : "with lens distortion",
+                      sensing::name(file.format),
+                      file.mm_per_unit ? fmt::format("; one unit of its depth images is {:g} mm",
+                                                     *file.mm_per_unit)
+                                       : "")};
 }
 
 Description describe_rig(const fs::path& path) {
@@ -144,7 +153,8 @@ Description describe_record(const fs::path& path) {
 Description describe_yaml(const fs::path& path) {
   const std::string text = text_of(path);
   if (text.find("projector_matrix") != std::string::npos) return describe_rig(path);
-  if (text.find("camera_matrix") != std::string::npos) return describe_camera(path);
+  for (const char* key : {"camera_matrix", "intrinsic_matrix", "ppx", "distortion_model"})
+    if (text.find(key) != std::string::npos) return describe_camera(path);
   if (text.find("period_px") != std::string::npos) return describe_pattern(path);
   if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
   if (text.find("variance") != std::string::npos) return describe_colors(path);

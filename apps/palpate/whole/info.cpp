@@ -277,7 +277,7 @@ std::string folder_in_words(long maps, long sigmas, long reasons, long depth_ima
   if (depth_images > 0) {
     prose +=
         "; commands that read depth images need --scale, the mm of a step of their values, and "
-        "--intrinsics or --rig";
+        "--camera or --intrinsics";
   }
   return prose;
 }
@@ -332,6 +332,7 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
   if (extension == ".csv") return describe_csv(path);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")
     return describe_model(path.parent_path());
+  if (extension == ".json") return describe_yaml(path);
   if (is_image(path)) return describe_image(path);
   return describe_mesh(path, options);
 }

@@ -27,7 +27,9 @@ geometry::RangeMap read_depth_image(const std::filesystem::path& path, double mm
   if (image.cols != camera.width || image.rows != camera.height) {
     throw FileError(path.string() + ": is " + std::to_string(image.cols) + " x " +
                     std::to_string(image.rows) + ", the camera " + std::to_string(camera.width) +
-                    " x " + std::to_string(camera.height) + " px");
+                    " x " + std::to_string(camera.height) +
+                    " px; pass the camera of these images, which is the colour camera if depths "
+                    "are aligned with its images");
   }
   geometry::RangeMap map{geometry::ImageF(image.rows, image.cols), camera};
   for (int row = 0; row < image.rows; ++row) {

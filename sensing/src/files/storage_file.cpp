@@ -94,28 +94,42 @@ void refuse_repeated_keys(const std::filesystem::path& path, const YAML::Node& m
   }
 }
 
-YAML::Node parse(const std::filesystem::path& path) {
-  const std::string expected =
-      "a YAML file that begins with %YAML:1.0 and holds keys and values is expected";
-  const std::string text = with_spaces_after_keys(read_bytes(path));
+/// The first document of a text, a map.
+/// \param kind     what the file is not if this fails.
+/// \param expected what would be right.
+YAML::Node first_document(const std::filesystem::path& path, const std::string& text,
+                          const std::string& kind, const std::string& expected) {
   YAML::Node root;
-  std::optional<int> second;
   try {
     root = YAML::Load(text);
-    second = second_document(text);
   } catch (const YAML::Exception& error) {
     const std::string line =
         error.mark.is_null() ? "" : "line " + std::to_string(error.mark.line + 1) + ": ";
-    throw FileError(path.string() + ": " + line + "not an OpenCV FileStorage file (" +
-                    printable(error.msg) + "); " + expected);
+    throw FileError(path.string() + ": " + line + "not " + kind + " (" + printable(error.msg) +
+                    "); " + expected);
+  }
+  if (!root.IsMap()) throw FileError(path.string() + ": not " + kind + "; " + expected);
+  refuse_repeated_keys(path, root);
+  return root;
+}
+
+YAML::Node parse(const std::filesystem::path& path, const std::string& bytes) {
+  const std::string kind = "an OpenCV FileStorage file";
+  const std::string expected =
+      "a YAML file that begins with %YAML:1.0 and holds keys and values is expected";
+  const std::string text = with_spaces_after_keys(bytes);
+  YAML::Node root = first_document(path, text, kind, expected);
+  std::optional<int> second;
+  try {
+    second = second_document(text);
+  } catch (const YAML::Exception& error) {
+    throw FileError(path.string() + ": not " + kind + " (" + printable(error.msg) + "); " +
+                    expected);
   }
   if (second)
     throw FileError(path.string() + ": line " + std::to_string(*second) +
                     ": the keys and values end before this line, but more follows; a second "
                     "document (--- or ...)?");
-  if (!root.IsMap())
-    throw FileError(path.string() + ": not an OpenCV FileStorage file; " + expected);
-  refuse_repeated_keys(path, root);
   return root;
 }
 
@@ -174,7 +188,17 @@ std::string read_bytes(const std::filesystem::path& path) {
 }
 
 StorageFile::StorageFile(std::filesystem::path path)
-    : path_(std::move(path)), root_(parse(path_)) {}
+    : path_(std::move(path)), root_(parse(path_, read_bytes(path_))) {}
+
+StorageFile::StorageFile(std::filesystem::path path, const std::string& bytes)
+    : path_(std::move(path)), root_(parse(path_, bytes)) {}
+
+StorageFile::StorageFile(std::filesystem::path path, std::string bytes, const std::string& expected)
+    : path_(std::move(path)) {
+  // Open3D indents its JSON with tabs, which YAML does not have.
+  std::ranges::replace(bytes, '\t', ' ');
+  root_ = first_document(path_, bytes, "a YAML or JSON file of keys and values", expected);
+}
 
 void StorageFile::fail(const std::string& key, const std::string& message) const {
   throw FileError(path_.string() + ": " + key + ": " + message);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "palpate/geometry/median.h"
 
@@ -107,6 +108,20 @@ void judge_lens(const char* subject, const geometry::Camera& lens, bool is_cente
     doubt(fmt::format("the whole image would be {:.2g} degrees wide", across / kDegree), false);
 }
 
+/// Other units of a depth image with which its depths would be usual ones: a scale is often given
+/// in metres, or is the number of units in a metre.
+std::string likely_scales(double depth, double mm_per_unit) {
+  std::string text = fmt::format(". One unit of the image counts as {:g} mm", mm_per_unit);
+  const double units = depth / mm_per_unit;
+  for (const double likely : {1000 * mm_per_unit, 1000 / mm_per_unit, mm_per_unit / 1000}) {
+    const double mm = units * likely;
+    if (mm < kDepth.usual[0] || mm > kDepth.usual[1]) continue;
+    return text +
+           fmt::format("; with {:g} mm, half of the depths would be below {:.4g} mm", likely, mm);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<Doubt> camera_doubts(const geometry::Camera& camera) {
@@ -131,7 +146,8 @@ std::vector<Doubt> depth_doubts(double depth) {
   return doubts;
 }
 
-std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map) {
+std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map,
+                                    std::optional<double> mm_per_unit) {
   constexpr Eigen::Index kLooks = 10'000;  // pixels that tell the median
   std::vector<Doubt> doubts = camera_doubts(map.camera);
   std::vector<double> depths;
@@ -140,8 +156,12 @@ std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map) {
     if (!std::isnan(map.z.data()[i])) depths.push_back(static_cast<double>(map.z.data()[i]));
   }
   if (depths.empty()) return doubts;
-  const std::vector<Doubt> more = depth_doubts(geometry::median(std::move(depths)));
-  doubts.insert(doubts.end(), more.begin(), more.end());
+  const double depth = geometry::median(std::move(depths));
+  std::vector<Doubt> more = depth_doubts(depth);
+  for (Doubt& doubt : more) {
+    if (mm_per_unit) doubt.message += likely_scales(depth, *mm_per_unit);
+    doubts.push_back(std::move(doubt));
+  }
   return doubts;
 }
 

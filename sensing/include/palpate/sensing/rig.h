@@ -58,11 +58,6 @@ void check_rig(const Rig& rig, const std::string& what);
 /// not finite, or if R is not a rotation.
 [[nodiscard]] Rig read_rig(const std::filesystem::path& path);
 
-/// Reads the camera alone from a rig, or from a file that has only `camera_size`, `camera_matrix`
-/// and `camera_distortion`.
-/// \throws FileError as `read_rig` does.
-[[nodiscard]] geometry::Camera read_camera(const std::filesystem::path& path);
-
 /// Writes a rig so that `read_rig` reads every number back exactly.
 /// \throws InvalidInput if the rig is not valid.
 /// \throws OutputError if the file cannot be written.

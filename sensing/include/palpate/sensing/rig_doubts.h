@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,10 @@ struct Doubt {
 [[nodiscard]] std::vector<Doubt> depth_doubts(double depth);
 
 /// Judges the camera of a range map, and the median of its depths.
-[[nodiscard]] std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map);
+/// \param mm_per_unit of the depth image that it comes from; the message then names the units with
+/// which the depths would be usual ones.
+[[nodiscard]] std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map,
+                                                  std::optional<double> mm_per_unit = {});
 
 /// The messages of the impossible ones in one sentence; empty if there are none.
 [[nodiscard]] std::string impossible_parts(const std::vector<Doubt>& doubts);

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "palpate/geometry/camera.h"
+
+namespace palpate::sensing {
+
+/// The program whose format a file of a camera has.
+enum class CameraFileFormat {
+  palpate,    ///< OpenCV FileStorage with `camera_size`: a rig, or its camera alone
+  opencv,     ///< as OpenCV's calibration writes it: `image_width`, `camera_matrix`
+  ros,        ///< `camera_info`: the message as ROS prints it, or the file of a calibration
+  realsense,  ///< JSON with the fields of librealsense's `rs2_intrinsics`
+  open3d      ///< JSON of PinholeCameraIntrinsic, PinholeCameraParameters or RGBDVideoMetadata
+};
+
+/// "Palpate", "OpenCV", "ROS", "RealSense" or "Open3D".
+[[nodiscard]] std::string_view name(CameraFileFormat format);
+
+/// The content of a file of a camera.
+struct CameraFile {
+  geometry::Camera camera;
+  CameraFileFormat format = CameraFileFormat::palpate;
+  /// [mm] length of one unit of the camera's depth images; only RGBDVideoMetadata tells it.
+  std::optional<double> mm_per_unit = {};
+};
+
+/// Reads the camera of a file, whatever its name, by these keys:
+///
+/// - `camera_size`: Palpate, see `read_rig`;
+/// - `image_width`, or `K` or `k`: ROS, or OpenCV if there is no `distortion_model`. The matrix K
+///   and the distortion D of the raw image count, not the matrix P of the rectified one;
+/// - `intrinsic_matrix`, also in `intrinsic`: Open3D, a list of 9 numbers by columns;
+/// - `fx` and `ppx`: RealSense, with `model` (its name, or its number) and `coeffs`.
+///
+/// `Camera` has the distortion models plumb_bob and rational_polynomial of ROS, and of RealSense
+/// Brown-Conrady, and the modified one without tangential coefficients. The other models are
+/// refused; the inverse Brown-Conrady model, which RealSense cameras name even for rectified
+/// images, only if a coefficient is not zero.
+/// \throws FileError naming the file and the key if a value is missing, has the wrong shape or is
+/// not finite, or if the file tells a distortion, a binning or a part of the image (`roi`) that
+/// `Camera` cannot represent.
+[[nodiscard]] CameraFile read_camera_file(const std::filesystem::path& path);
+
+/// The camera of `read_camera_file` alone.
+[[nodiscard]] geometry::Camera read_camera(const std::filesystem::path& path);
+
+}  // namespace palpate::sensing

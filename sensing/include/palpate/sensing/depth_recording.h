@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace palpate::sensing {
+
+/// [mm] Length of one unit of the depth images of such a recording: 5000 units are a metre.
+inline constexpr double kRecordingUnit = 0.2;
+
+/// [s] A colour image belongs to a depth image if it was taken at most this long before or after.
+inline constexpr double kColorDelay = 0.02;
+
+/// A depth image of a recording, and the colour image that belongs to it.
+struct RecordedDepth {
+  double time = 0;              ///< [s]
+  std::filesystem::path depth;  ///< 16-bit PNG
+  std::filesystem::path color;  ///< empty if none was taken within `kColorDelay`
+};
+
+/// Whether a folder is a recording of a depth camera in the layout of the RGB-D benchmark of TUM:
+/// `depth.txt` and `rgb.txt` list the images, mostly in `depth/` and `rgb/`.
+[[nodiscard]] bool is_depth_recording(const std::filesystem::path& folder);
+
+/// Lists the images of a recording by time. Each line of `depth.txt` and `rgb.txt` has a time [s]
+/// and the name of a file; lines that begin with # are comments. `rgb.txt` may be missing. The
+/// images themselves are not looked at.
+/// \throws FileError naming the file and the line if there is no depth image, a line has another
+/// form, or a time is there twice.
+[[nodiscard]] std::vector<RecordedDepth> read_depth_recording(const std::filesystem::path& folder);
+
+}  // namespace palpate::sensing

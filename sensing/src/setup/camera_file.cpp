@@ -1,0 +1,257 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/camera_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/storage_file.h"
+#include "palpate/core/error.h"
+#include "setup/lens_entry.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr const char* kExpected =
+    "the camera of a depth camera is a file of Palpate (camera_size), ROS camera_info "
+    "(image_width, or K), Open3D (intrinsic_matrix) or RealSense (fx, fy, ppx, ppy)";
+
+bool has(const YAML::Node& map, const char* key) { return StorageFile::find(map, key).IsDefined(); }
+
+/// The one of two spellings of a key that is there, or the first.
+const char* spelt(const YAML::Node& map, const char* usual, const char* other) {
+  return !has(map, usual) && has(map, other) ? other : usual;
+}
+
+void read_size(const StorageFile& file, const YAML::Node& map, const char* width,
+               const char* height, geometry::Camera& camera) {
+  const auto read = [&](const char* key) {
+    const int pixels = file.whole_number(file.child(map, key), key);
+    if (pixels <= 0) file.fail(key, fmt::format("is {} px; the size of an image is > 0", pixels));
+    return pixels;
+  };
+  camera.width = read(width);
+  camera.height = read(height);
+}
+
+/// Takes fx 0 cx, 0 fy cy, 0 0 1 row by row.
+void set_matrix(const StorageFile& file, const std::string& key, const std::vector<double>& rows,
+                const char* uncalibrated, geometry::Camera& camera) {
+  if (rows.size() != 9)
+    file.fail(key, fmt::format("has {} numbers; a matrix of 9 is expected", rows.size()));
+  if (!(rows[0] > 0) || !(rows[4] > 0)) {
+    file.fail(key, fmt::format("fx is {:g} px and fy {:g} px; they must be > 0{}", rows[0], rows[4],
+                               uncalibrated));
+  }
+  if (rows[1] != 0 || rows[3] != 0 || rows[6] != 0 || rows[7] != 0 || rows[8] != 1)
+    file.fail(key, "must have the form fx 0 cx, 0 fy cy, 0 0 1; a skew is not supported");
+  camera.fx = rows[0];
+  camera.fy = rows[4];
+  camera.cx = rows[2];
+  camera.cy = rows[5];
+}
+
+/// The numbers of a list, or of a matrix with rows, cols and data.
+std::vector<double> list_or_data(const StorageFile& file, const std::string& key) {
+  const YAML::Node node = file.child(file.root(), key);
+  if (!node.IsMap()) return file.numbers(node, key);
+  return file.numbers(file.child(node, "data", key + "."), key + ".data");
+}
+
+bool all_zero(std::span<const double> values) {
+  return std::ranges::all_of(values, [](double value) { return value == 0; });
+}
+
+/// Takes k1 k2 p1 p2 k3 k4 k5 k6 of OpenCV; those after them must be zero.
+void set_distortion(const StorageFile& file, const std::string& key,
+                    const std::vector<double>& values, geometry::Camera& camera) {
+  const std::size_t known = camera.distortion.size();
+  if (values.size() > known && !all_zero(std::span(values).subspan(known))) {
+    file.fail(key,
+              "has thin-prism or tilt coefficients (more than 8), which are not supported; "
+              "undistort the images, and pass the camera of the undistorted ones");
+  }
+  std::copy_n(values.begin(), std::min(values.size(), known), camera.distortion.begin());
+}
+
+CameraFile read_ros(const StorageFile& file) {
+  const YAML::Node& root = file.root();
+  const bool is_message = !has(root, "image_width");
+  CameraFile read;
+  read.format = is_message || has(root, "distortion_model") ? CameraFileFormat::ros
+                                                            : CameraFileFormat::opencv;
+  read_size(file, root, is_message ? "width" : "image_width",
+            is_message ? "height" : "image_height", read.camera);
+  const std::string matrix = is_message ? spelt(root, "K", "k") : "camera_matrix";
+  set_matrix(file, matrix, list_or_data(file, matrix),
+             "; ROS writes zeros for a camera that is not calibrated", read.camera);
+  for (const char* key : {"binning_x", "binning_y"}) {
+    if (has(root, key) && file.whole_number(root[key], key) > 1) {
+      file.fail(key,
+                "binned images are not supported; pass a camera_info whose K and size are those of "
+                "the binned images, with binning 0");
+    }
+  }
+  if (has(root, "roi")) {
+    for (const char* key : {"x_offset", "y_offset"}) {
+      const YAML::Node offset = StorageFile::find(root["roi"], key);
+      if (offset.IsDefined() && file.whole_number(offset, std::string("roi.") + key) != 0) {
+        file.fail(std::string("roi.") + key,
+                  "a part of the image is not supported; pass a camera_info whose size and cx, cy "
+                  "are those of the part");
+      }
+    }
+  }
+  const std::string coefficients = is_message ? spelt(root, "D", "d") : "distortion_coefficients";
+  const std::vector<double> values =
+      has(root, coefficients.c_str()) ? list_or_data(file, coefficients) : std::vector<double>();
+  const std::string model = has(root, "distortion_model") && !root["distortion_model"].IsNull()
+                                ? root["distortion_model"].Scalar()
+                                : "";
+  if (model == "equidistant" || model == "fisheye") {
+    file.fail("distortion_model", model +
+                                      " is that of a fisheye lens, which is not supported; "
+                                      "undistort the images, and pass the camera of those");
+  }
+  if (!model.empty() && model != "plumb_bob" && model != "rational_polynomial" && model != "none") {
+    file.fail("distortion_model",
+              model + " is not known; plumb_bob and rational_polynomial are supported");
+  }
+  if (model == "plumb_bob" && values.size() > 5 && !all_zero(std::span(values).subspan(5)))
+    file.fail(coefficients, "plumb_bob has the 5 coefficients k1, k2, p1, p2, k3");
+  if (read.format == CameraFileFormat::ros && model.empty() && !all_zero(values))
+    file.fail("distortion_model", "is empty, but there are distortion coefficients");
+  set_distortion(file, coefficients, values, read.camera);
+  return read;
+}
+
+/// \param map the file, or its `intrinsic`.
+CameraFile read_open3d(const StorageFile& file, const YAML::Node& map) {
+  CameraFile read{.camera = {}, .format = CameraFileFormat::open3d};
+  read_size(file, map, "width", "height", read.camera);
+  const std::string key = "intrinsic_matrix";
+  const std::vector<double> columns = file.numbers(file.child(map, key), key);
+  if (columns.size() != 9)
+    file.fail(key, fmt::format("has {} numbers; Open3D writes 9", columns.size()));
+  if ((columns[2] != 0 || columns[5] != 0) && columns[6] == 0 && columns[7] == 0)
+    file.fail(key, "is written by rows; Open3D writes fx 0 0, 0 fy 0, cx cy 1");
+  std::vector<double> rows(9);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = columns[i % 3 * 3 + i / 3];
+  set_matrix(file, key, rows, "", read.camera);
+  if (!has(map, "depth_scale")) return read;
+  constexpr double kMetre = 1000;  // mm
+  const double units = file.number(map["depth_scale"], "depth_scale");
+  if (!(units > 0))
+    file.fail("depth_scale", fmt::format("is {:g} units a metre; it must be > 0", units));
+  read.mm_per_unit = kMetre / units;
+  return read;
+}
+
+/// The models of `rs2_distortion`, by number.
+enum class RealSenseModel { none, modified, inverse, f_theta, brown_conrady, kannala_brandt };
+constexpr std::array<const char*, 6> kRealSenseModels = {
+    "none",   "modifiedbrownconrady", "inversebrownconrady",
+    "ftheta", "brownconrady",         "kannalabrandt4"};
+
+/// The model by its number or name: "distortion.brown_conrady" in Python, "Brown Conrady" in C++.
+RealSenseModel read_model(const StorageFile& file, const std::string& key) {
+  const std::string text = file.child(file.root(), key).Scalar();
+  std::string letters;
+  for (const char c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0)
+      letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  for (const std::string prefix : {"rs2", "distortion"})
+    if (letters.starts_with(prefix)) letters.erase(0, prefix.size());
+  for (std::size_t i = 0; i < kRealSenseModels.size(); ++i) {
+    if (letters == kRealSenseModels[i] || letters == std::to_string(i))
+      return static_cast<RealSenseModel>(i);
+  }
+  file.fail(key, text +
+                     " is not known; expected none, brown_conrady, modified_brown_conrady, "
+                     "inverse_brown_conrady, ftheta or kannala_brandt4");
+}
+
+CameraFile read_realsense(const StorageFile& file) {
+  const YAML::Node& root = file.root();
+  CameraFile read{.camera = {}, .format = CameraFileFormat::realsense};
+  read_size(file, root, "width", "height", read.camera);
+  const auto number = [&](const char* key) { return file.number(file.child(root, key), key); };
+  read.camera.fx = number("fx");
+  read.camera.fy = number("fy");
+  for (const char* key : {"fx", "fy"})
+    if (!(number(key) > 0)) file.fail(key, fmt::format("is {:g} px; it must be > 0", number(key)));
+  read.camera.cx = number(spelt(root, "ppx", "cx"));
+  read.camera.cy = number(spelt(root, "ppy", "cy"));
+  std::vector<double> values;
+  if (has(root, "coeffs")) values = file.numbers(root["coeffs"], "coeffs");
+  if (values.size() > 5)
+    file.fail("coeffs", fmt::format("has {} numbers; librealsense has 5", values.size()));
+  values.resize(5);
+  const std::string key = spelt(root, "model", "distortion_model");
+  if (!has(root, key.c_str())) {
+    if (!all_zero(values)) file.fail("model", "is missing, but coeffs are not zero");
+    return read;
+  }
+  const RealSenseModel model = read_model(file, key);
+  using enum RealSenseModel;
+  if (model == f_theta || model == kannala_brandt) {
+    file.fail(key, std::string("is that of a fisheye lens, which is not supported; undistort the "
+                               "images, and pass the camera of those"));
+  }
+  const bool is_tangential = values[2] != 0 || values[3] != 0;
+  if ((model == inverse && !all_zero(values)) || (model == modified && is_tangential)) {
+    file.fail(key, std::string(model == inverse ? "the inverse" : "the modified") +
+                       " Brown-Conrady model is not supported with these coeffs. Align the colour "
+                       "images with the depth images, which have no distortion, instead of the "
+                       "depth images with the colour images (rs.align(rs.stream.depth)), and pass "
+                       "the camera of the depth images; or undistort the images");
+  }
+  if (model != none) std::ranges::copy(values, read.camera.distortion.begin());
+  return read;
+}
+
+CameraFile read_any(const std::filesystem::path& path) {
+  std::string bytes = read_bytes(path);
+  const auto names = [&](const char* key) { return bytes.find(key) != std::string::npos; };
+  if (names("camera_size") || names("projector_matrix"))
+    return {.camera = read_lens(StorageFile(path, bytes), "camera")};
+  const StorageFile file(path, std::move(bytes), kExpected);
+  const YAML::Node& root = file.root();
+  if (has(root, "image_width") || has(root, "K") || has(root, "k")) return read_ros(file);
+  if (has(root, "intrinsic_matrix")) return read_open3d(file, root);
+  if (has(root, "intrinsic")) return read_open3d(file, root["intrinsic"]);
+  if (has(root, "fx")) return read_realsense(file);
+  file.fail("camera_size", std::string("is missing; ") + kExpected);
+}
+
+}  // namespace
+
+std::string_view name(CameraFileFormat format) {
+  constexpr std::array<std::string_view, 5> kNames = {"Palpate", "OpenCV", "ROS", "RealSense",
+                                                      "Open3D"};
+  return kNames.at(static_cast<std::size_t>(format));
+}
+
+CameraFile read_camera_file(const std::filesystem::path& path) {
+  CameraFile read = read_any(path);
+  try {
+    geometry::check_camera(read.camera, (path.string() + ": camera").c_str());
+  } catch (const InvalidInput& error) {
+    throw FileError(error.what());
+  }
+  return read;
+}
+
+geometry::Camera read_camera(const std::filesystem::path& path) {
+  return read_camera_file(path).camera;
+}
+
+}  // namespace palpate::sensing
