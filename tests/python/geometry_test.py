@@ -294,6 +294,14 @@ class RangeMaps(unittest.TestCase):
             with self.assertRaisesRegex(palpate.FileError, "rig.yaml"):
                 palpate.read_range_map(path)
 
+    def test_depth_images_are_read_with_their_unit(self):
+        image, camera = DEMO / "depth_sequence/depth/000000.png", DEMO / "depth_sequence/camera.json"
+        depths = palpate.read_range_map(image, camera, scale=1).z
+        self.assertEqual(depths.shape, (150, 200))
+        np.testing.assert_array_equal(palpate.read_range_map(image, camera, scale=0.5).z, depths / 2)
+        with self.assertRaisesRegex(palpate.InvalidInput, "with 1 mm, half of the depths"):
+            palpate.read_range_map(image, camera, scale=0.001)
+
 
 if __name__ == "__main__":
     unittest.main()

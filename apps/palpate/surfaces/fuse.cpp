@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,6 +57,11 @@ std::vector<fs::path> list_scans(const FuseCall& call) {
                          "depth image is its --scale");
     }
     return maps;
+  }
+  if (geometry::selects(call.camera.selection) || !call.camera.mask.empty()) {
+    throw InvalidInput(first.string() +
+                       ": --near, --far, --crop, --mask and --remove-plane work for range maps and "
+                       "depth images, not for meshes.");
   }
   for (const fs::path& input : call.inputs) {
     if (is_folder(input) || is_range_map(input) || is_image(input)) {
@@ -108,16 +115,28 @@ Eigen::VectorXd read_sigma(const fs::path& map, const geometry::RangeMapMesh& me
   return at_vertices;
 }
 
-geometry::Scan read_scan(const FuseCall& call, const fs::path& file) {
+/// None if it is a range map that cannot be read, which is told. Only of a folder: files that were
+/// chosen one by one have to be right.
+/// \param broken gets what is wrong with it.
+std::optional<geometry::Scan> read_scan(const FuseCall& call, const fs::path& file,
+                                        std::vector<std::string>& broken) {
   if (!is_range_map(file) && !is_image(file))
-    return {.mesh = geometry::read_mesh(file, call.meshes)};
-  geometry::RangeMapMesh meshed = geometry::mesh_range_map(load_range_map(file, call.camera));
-  if (meshed.mesh.triangles.cols() == 0)
-    throw InvalidInput(file.string() + ": no two neighbouring pixels have a depth.");
+    return geometry::Scan{.mesh = geometry::read_mesh(file, call.meshes)};
+  geometry::RangeMapMesh meshed;
+  try {
+    meshed = geometry::mesh_range_map(load_range_map(file, call.camera));
+    if (meshed.mesh.triangles.cols() == 0)
+      throw InvalidInput(file.string() + ": no two neighbouring pixels have a depth.");
+  } catch (const InvalidInput& error) {
+    if (std::ranges::none_of(call.inputs, is_folder)) throw;
+    spdlog::error("{}", error.what());
+    broken.push_back(error.what());
+    return std::nullopt;
+  }
   Eigen::VectorXd sigma = read_sigma(file, meshed);
-  return {.mesh = std::move(meshed.mesh),
-          .sigma = std::move(sigma),
-          .viewpoint = Eigen::Vector3d::Zero()};
+  return geometry::Scan{.mesh = std::move(meshed.mesh),
+                        .sigma = std::move(sigma),
+                        .viewpoint = Eigen::Vector3d::Zero()};
 }
 
 /// Refuses scans that disagree where they overlap, unless the call insists.
@@ -169,12 +188,20 @@ void fuse(const Settings& settings, const FuseCall& call) {
   const std::vector<Eigen::Isometry3d> poses = read_poses(call, files);
   std::vector<geometry::Scan> scans;
   std::vector<std::string> names;
+  Json broken = Json::array();
+  std::vector<std::string> reasons;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    scans.push_back(read_scan(call, files[i]));
+    std::optional<geometry::Scan> scan = read_scan(call, files[i], reasons);
+    if (!scan) {
+      broken.push_back(files[i].filename().string());
+      continue;
+    }
+    scans.push_back(std::move(*scan));
     scans.back().T_object_scan = poses[i];
     scans.back().name = files[i].string();
     names.push_back(scans.back().name);
   }
+  if (scans.empty()) throw FileError(reasons.front());
   Json registered = Json::array();
   if (call.registration.wanted)
     registered = register_named_scans(scans, names, "scan", call.registration);
@@ -189,6 +216,7 @@ void fuse(const Settings& settings, const FuseCall& call) {
   }
   const int components = geometry::connected_components(merged.mesh).count;
   Json figures = {{"scans", scans.size()},
+                  {"broken", broken},
                   {"spacing", merged.spacing},
                   {"vertices", merged.mesh.vertices.cols()},
                   {"triangles", merged.mesh.triangles.cols()},
@@ -210,6 +238,10 @@ void fuse(const Settings& settings, const FuseCall& call) {
                             counted(scans.size(), "scan"), merged.spacing,
                             merged.mesh.vertices.cols(), merged.mesh.triangles.cols(),
                             counted(components, "piece"), call.output.string()));
+  if (!broken.empty()) {
+    throw Error(fmt::format("{} of {} scans could not be read; the others were fused.",
+                            broken.size(), files.size()));
+  }
 }
 
 }  // namespace
@@ -231,6 +263,7 @@ void add_fuse(CLI::App& app, const Settings& settings) {
       "folder that has NAME.txt for the scan NAME (default: all scans already are in one)");
   add_scan_registration(*command, "scan", call->registration);
   add_camera_options(*command, call->camera);
+  add_selection_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
   add_fields(*command, fields_of(call->options));
   command->add_flag("--force", call->force,
@@ -241,7 +274,8 @@ void add_fuse(CLI::App& app, const Settings& settings) {
       "zero. It is open where no scan measured. All scans must show the object in one state: where "
       "one measured behind the surface of another, by more than the reach, they disagree (exit "
       "status "
-      "1). If decode --sigma has written the standard "
+      "1). Range maps of a folder that cannot be read are named and left out (exit status 1). If "
+      "decode --sigma has written the standard "
       "deviations of all range maps beside them, the mean is weighted by them, and a PLY file gets "
       "the standard deviation of each vertex (sigma) that the noise of the scans leaves.\n"
       "Examples:\n  palpate fuse range/ -o still.ply                        # frames of a still "

@@ -16,7 +16,7 @@
 #include "palpate/core/work_in_order.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/pictures/draw_mesh.h"
-#include "palpate/sensing/rig.h"
+#include "palpate/sensing/camera_file.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
@@ -72,8 +72,11 @@ void write_made(const fs::path& output, const fs::path& input, const MadeMesh& m
 
 /// \throws InvalidInput if colours are wanted in a format that has none.
 void check_color(const MeshCall& call, const std::string& extension) {
-  if (call.steps.color && extension == ".stl")
-    throw InvalidInput("--color: STL has no colours; write PLY or OBJ.");
+  const bool has_images = !call.steps.color_images.empty();
+  if ((call.steps.color || has_images) && extension == ".stl") {
+    throw InvalidInput(std::string(has_images ? "--color-images" : "--color") +
+                       ": STL has no colours; write PLY or OBJ.");
+  }
 }
 
 void mesh(const Settings& settings, const MeshCall& call) {
@@ -229,14 +232,21 @@ void add_mesh(CLI::App& app, const Settings& settings) {
           ->check(one_of({"ply", "obj", "stl"}))
           ->capture_default_str();
   add_camera_options(*command, call->steps.camera);
+  add_selection_options(*command, call->steps.camera);
   add_unit_option(*command, call->steps.meshes);
   command->add_flag(
       "--smooth-depths", call->steps.smooth_depths,
       "Reduce the noise of the depths of a range map before meshing; no depth moves by "
       "more than its predicted deviation (from decode --sigma)");
-  command->add_flag("--color", call->steps.color,
-                    "Colour the vertices (ply, obj) as the surface is in the picture that decode "
-                    "--surface-color has written beside the range map");
+  CLI::Option* color =
+      command->add_flag("--color", call->steps.color,
+                        "Colour the vertices (ply, obj) as the surface is in the picture that "
+                        "decode --surface-color has written beside the range map");
+  command
+      ->add_option("--color-images", call->steps.color_images,
+                   "The same with the pictures of a folder that are aligned with the depths: "
+                   "NAME.png, .jpg or .tiff for each range map or depth image NAME")
+      ->excludes(color);
   command->add_flag(
       "--repair", call->steps.repair,
       "Repair the defects that palpate info lists; the result is manifold and oriented");
@@ -269,8 +279,8 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   add_fields(*command, fields_of(call->steps.decimation));
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
-      "The steps are done in this order: smooth depths, repair, fill holes, smooth, remove "
-      "intersections, remesh, decimate.\n"
+      "The steps are done in this order: select depths, smooth depths, repair, fill holes, smooth, "
+      "remove intersections, remesh, decimate.\n"
       "Several range maps or depth images, or a folder of them, give a sequence of meshes with the "
       "same names; one that cannot be meshed is reported and skipped, and the exit status is 1. "
       "Meshes of an earlier run are replaced as a whole when all are done.\n\n"
@@ -281,7 +291,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "  palpate mesh scan.ply --remesh 2 -o even.ply\n"
       "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
       "hand.ply\n"
-      "  palpate mesh depth/ --scale 1 --rig camera.yaml -o meshes/");
+      "  palpate mesh depth/ --scale 1 --camera camera.json --far 900 --remove-plane 5 -o meshes/");
   command->callback([call, format, &settings] {
     const fs::path& first = call->inputs.front();
     if (call->inputs.size() > 1 || is_folder(first)) {

@@ -86,10 +86,17 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
       throw InvalidInput(input.string() + ": " + (steps.camera.scale ? "--scale" : "--intrinsics") +
                          " works for depth images (16-bit PNG), which this is not");
     }
+    if (geometry::selects(steps.camera.selection) || !steps.camera.mask.empty()) {
+      throw InvalidInput(input.string() +
+                         ": --near, --far, --crop, --mask and --remove-plane work for range maps "
+                         "and depth images, not for meshes.");
+    }
     geometry::ReadOptions options = steps.meshes;
     options.keep_defects = steps.repair;
-    if (steps.color)
-      throw InvalidInput(input.string() + ": --color works for range maps, not for meshes.");
+    if (steps.color || !steps.color_images.empty()) {
+      throw InvalidInput(input.string() + (steps.color ? ": --color" : ": --color-images") +
+                         " works for range maps, not for meshes.");
+    }
     return from_file(geometry::read_mesh_file(input, options));
   }
   geometry::RangeMap map = load_map(input, steps);
@@ -97,6 +104,7 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   const auto known = (map.z == map.z).count();
   MadeMesh made;
   made.mesh = geometry::mesh_range_map(map).mesh;
+  made.camera = map.camera;
   made.figures["pixels"] = known;
   made.prose = fmt::format("{} pixels with a depth\n", known);
   if (made.mesh.triangles.cols() == 0)
@@ -249,6 +257,8 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.remesh) remesh(made, steps);
   if (steps.decimation.tolerance || steps.decimation.max_triangles) decimate(input, made, steps);
   if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);
+  if (!steps.color_images.empty())
+    made.attributes = colors_in(steps.color_images, input, made.mesh.vertices, made.camera);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

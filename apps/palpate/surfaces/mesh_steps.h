@@ -24,6 +24,7 @@ struct MeshSteps {
   geometry::ReadOptions meshes;  ///< for mesh files
   bool smooth_depths = false;
   bool color = false;  ///< of the vertices, from the NNNNNN_color.png beside the range map
+  std::filesystem::path color_images = {};  ///< folder of pictures for the same; may be empty
   bool repair = false;
   std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
   int smooth = 0;                    ///< iterations
@@ -44,6 +45,7 @@ struct MadeMesh {
   /// Of the vertices: those of the mesh file, carried along, or the colours of --color.
   geometry::Attributes attributes;
   std::optional<geometry::CornerTexture> texture = {};  ///< of the mesh file
+  geometry::Camera camera = {};                         ///< of the range map or depth image
   /// See MeshFile; of the comments those that name a texture.
   std::vector<std::string> material_files = {}, materials = {}, comments = {};
   nlohmann::ordered_json figures;

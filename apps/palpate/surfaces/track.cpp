@@ -77,6 +77,7 @@ bool is_complete(const TrackCall& call, const TrackedFrame& frame) {
 struct Reference {
   fs::path file;
   geometry::TriangleMesh mesh;
+  geometry::Attributes colors = {};  ///< of the vertices, from --color-images
 };
 
 Reference load_reference(const TrackCall& call, const fs::path& first_map) {
@@ -88,7 +89,12 @@ Reference load_reference(const TrackCall& call, const fs::path& first_map) {
                               ? "range maps are in mm"
                               : "the unit of a depth image is its --scale"));
     }
-    reference.mesh = geometry::mesh_range_map(load_range_map(reference.file, call.camera)).mesh;
+    const geometry::RangeMap map = load_range_map(reference.file, call.camera);
+    reference.mesh = geometry::mesh_range_map(map).mesh;
+    if (!call.color_images.empty() && call.reference.empty()) {
+      reference.colors =
+          colors_in(call.color_images, reference.file, reference.mesh.vertices, map.camera);
+    }
   } else {
     reference.mesh = geometry::read_mesh(reference.file, call.meshes);
   }
@@ -117,6 +123,8 @@ nlohmann::ordered_json settings_of(TrackCall call, const fs::path& reference,
       {"--intrinsics", call.camera.intrinsics},
       {"--format", call.format}};
   settings.update(option_values(fields_of(call.tracking)));
+  settings.update(option_values(fields_of(call.camera.selection)));
+  settings["--mask"] = call.camera.mask.string();
   return settings;
 }
 
@@ -141,10 +149,11 @@ void draw(const TrackCall& call, const fs::path& range_map, const Eigen::Matrix3
 }
 
 /// Writes what the tracker found. The record of the frame has to be written after it.
-void write(const TrackCall& call, const fs::path& range_map,
+void write(const TrackCall& call, const fs::path& range_map, const geometry::Attributes& colors,
            const geometry::DeformationGraph& graph, const geometry::TrackedSurface& found) {
   const Eigen::Matrix3Xi& triangles = graph.mesh().triangles;
   geometry::MeshFile mesh;
+  mesh.vertex_attributes = colors;
   mesh.mesh = {.vertices = found.surface.vertices, .triangles = triangles};
   const auto add = [&](const char* name, const Eigen::VectorXd& values) {
     geometry::set_attribute(mesh.vertex_attributes,
@@ -253,7 +262,7 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
     if (tracker.has_start()) {
       if (tracking.recorded == tracking.kept) folder.begin();
       record.begin();
-      if (was_found) write(call, file, tracker.graph(), result.found);
+      if (was_found) write(call, file, reference.colors, tracker.graph(), result.found);
       for (; tracking.recorded < tracking.frames.size(); ++tracking.recorded)
         record.add(tracking.frames[tracking.recorded]);
     }
@@ -346,7 +355,13 @@ void track(const Settings& settings, TrackCall call) {
         "depth images.");
   }
   const std::vector<fs::path> maps = list_range_maps({call.input});
-  check_output_folder({call.input, call.reference, call.acquisition, call.camera.rig}, call.output);
+  check_output_folder(
+      {call.input, call.reference, call.acquisition, call.camera.rig, call.camera.mask},
+      call.output);
+  if (maps.size() == 1) {
+    spdlog::warn("{}: is the only frame in {}; a motion takes more", maps.front().string(),
+                 call.input.string());
+  }
   check_camera_options(maps.front(), call.camera);
   const Reference reference = load_reference(call, maps.front());
   using enum ResultFolder::Unfinished;
@@ -391,8 +406,9 @@ void add_track(CLI::App& app, const Settings& settings) {
       "--color-images", call->color_images,
       "Folder of colour or grey images that are aligned with the depths, to follow the texture of "
       "the surface: NAME.png, .jpg or .tiff for each range map or depth image NAME, or "
-      "NAME_color.png as decode --surface-color writes it");
+      "NAME_color.png as decode --surface-color writes it. Meshes have the colours of the first");
   add_camera_options(*command, call->camera);
+  add_selection_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Folder for the meshes")->required();
   command->add_option("--format", call->format, "Format of the meshes: ply or obj")
