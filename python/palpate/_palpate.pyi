@@ -129,6 +129,15 @@ class RangeMap(metaclass=_Class):
 def read_range_map(path: _Path, rig: _Path | None = ..., scale: float | None = ...) -> RangeMap: ...
 def write_range_map(path: _Path, map: RangeMap) -> None: ...
 def mesh_from(map: RangeMap, *, max_depth_step: float = ..., max_incidence: float = ...) -> TriangleMesh: ...
+def select_depths(
+    map: RangeMap,
+    *,
+    mask: _Numbers | None = ...,
+    near: float | None = ...,
+    far: float | None = ...,
+    crop: Sequence[Sequence[float]] = ...,
+    remove_plane: float | None = ...,
+) -> RangeMap: ...
 
 class ClosestPoints(_Result):
     @property

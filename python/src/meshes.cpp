@@ -10,6 +10,7 @@
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_selection.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "plausible.h"
@@ -326,6 +327,28 @@ fraction, or agree with the slopes on both sides.
 max_incidence: [rad] greatest angle between a triangle's normal and its viewing ray.
 Warns of a camera or depths that are unlikely. Raises InvalidInput, also if they are impossible.
 Ctrl-C is not heard.)");
+  geometry::RangeMapSelectionOptions usual;
+  const std::string doc =
+      described("select_depths(map: RangeMap, *, mask: ArrayLike | None = None", "RangeMap",
+                R"(Leaves out the background of an object: those depths become NaN.
+
+mask: (height, width); pixels where it is 0 or False are left out.
+The options act in the order near, far, crop, mask, remove_plane. Raises InvalidInput. Ctrl-C is not
+heard.)",
+                fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
+  module.def(
+      "select_depths",
+      [](const RangeMap& map, const py::object& mask, const py::kwargs& keywords) {
+        geometry::RangeMapSelectionOptions options;
+        set_fields(fields_of(options), keywords);
+        geometry::PixelMask kept;
+        if (!mask.is_none()) kept = image(mask, "mask") != 0;
+        const Unlocked unlocked;
+        return RangeMap{geometry::select_depths(map, options, kept).z, map.camera};
+      },
+      arg("map"), kw_only(), arg("mask") = py::none(), doc.c_str());
 }
 
 }  // namespace

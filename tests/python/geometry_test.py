@@ -302,6 +302,20 @@ class RangeMaps(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "with 1 mm, half of the depths"):
             palpate.read_range_map(image, camera, scale=0.001)
 
+    def test_background_is_left_out(self):
+        map = palpate.read_range_map(DEMO / "depth_sequence/depth/000000.png", DEMO / "depth_sequence/camera.json", scale=1)
+        expected = np.where((map.z >= 400) & (map.z <= 430), map.z, np.nan)
+        np.testing.assert_array_equal(palpate.select_depths(map, near=400, far=430).z, expected)
+        mask = np.zeros(map.z.shape, bool)
+        mask[50:60] = True
+        np.testing.assert_array_equal(palpate.select_depths(map, mask=mask).z, np.where(mask, map.z, np.nan))
+        object = np.isfinite(palpate.select_depths(map, far=700, remove_plane=3).z)
+        self.assertTrue(2000 < object.sum() < 5000)
+        boxed = palpate.select_depths(map, crop=[[-100, -100, 300, 0, 100, 600]])
+        self.assertLessEqual(np.nanmax(boxed.points()[:, 0]), 0)
+        with self.assertRaisesRegex(palpate.InvalidInput, "far is -1"):
+            palpate.select_depths(map, far=-1)
+
 
 if __name__ == "__main__":
     unittest.main()
