@@ -12,9 +12,8 @@ THEMES = ["lengths 2^30", "forces 2^30", "2^100", "places", "turns", "orders", "
 
 HEAD = """# Extremes
 
-What each operation of the libraries does with numbers at the ends of what can be measured, and beyond. The table is written by
-`./dev studies extremes_page` from what the tests of `tests/extremes` find, which fail where something is neither right nor listed
-below as known.
+How each operation of the libraries handles very large, very small and invalid numbers. `./dev studies extremes_page` writes the
+table from the results of `tests/extremes`. A test fails if a result is wrong and not listed below.
 
 Each operation works on a small standard input: a sheet of 84 mm x 60 mm, a ball of about 40 mm, 400 points, 12 contacts with 576
 samples, a trajectory, and a frame of 160 x 120 px.
@@ -23,17 +22,18 @@ samples, a trajectory, and a frame of 160 x 120 px.
 |---|---|---|
 | lengths 2^30 | lengths times 2^-30, 2^-7 and 2^30 | the same numbers in the other unit |
 | forces 2^30 | forces times 2^-30, 2^-7 and 2^30 | the same |
-| 2^100 | lengths or forces times 2^-100 and 2^100 | the same, or refused in words |
-| places | moved by 2^20, 2^30 and 2^36 mm, to a place in UTM, and to a geocentric one | the same, moved along |
-| turns | turned by 1e-12, pi - 1e-9, pi and 2.1 rad | the same, turned along |
+| 2^100 | lengths or forces times 2^-100 and 2^100 | the same, or rejected with an error message |
+| places | moved by 2^20, 2^30 and 2^36 mm, to UTM and to geocentric coordinates | the result moves with the input |
+| turns | rotated by 1e-12, pi - 1e-9, pi and 2.1 rad | the result rotates with the input |
 | orders | vertices, triangles, points, contacts and samples in two other orders | the same, in that order |
-| degenerate | stray and equal vertices, needles of 1e8, one triangle, sizes from 1e-6 to 1e6, contacts 1e-9 apart, friction 0 and 100, black and white frames, and more | finite results, or refused in words |
-| options | each field of the options at NaN, infinities, 0, +-1e+-300, and at, inside and outside its bounds | outside: refused by name; inside: done within the time limit, finite or refused |
+| degenerate | stray and equal vertices, needles of 1e8, one triangle, sizes from 1e-6 to 1e6, contacts 1e-9 mm apart, friction 0 and 100, black and white frames, and more | finite results, or rejected with an error message |
+| options | each field of the options at NaN, infinities, 0, +-1e+-300, and at, inside and outside its bounds | outside: rejected by name; inside: done within the time limit, finite or rejected |
 | hosts | 4 threads, a locale with decimal commas, memory filled with 0xa5 | the same to the last bit |
 
-*exact*: the same to the last bit. A number: the largest relative difference, within what the operation states or coordinates can
-tell at that place. *finite*: only that is asked. *n of m refused*: so many of the cases are refused in words. A letter: a known
-deviation, below the table. An empty cell: the theme does not change what the operation uses.
+*exact*: the same to the last bit. A number: the largest relative difference, within the stated tolerance of the operation, or within
+the rounding of coordinates at that place. *finite*: only finiteness is tested. *n of m refused*: n of m cases are rejected with an
+error message. A letter: a known deviation, listed below the table. An empty cell: the theme does not change the input of the
+operation.
 
 """
 

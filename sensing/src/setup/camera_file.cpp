@@ -115,10 +115,13 @@ CameraFile read_ros(const StorageFile& file) {
   const std::string model = has(root, "distortion_model") && !root["distortion_model"].IsNull()
                                 ? root["distortion_model"].Scalar()
                                 : "";
-  if (model == "equidistant" || model == "fisheye") {
-    file.fail("distortion_model", model +
-                                      " is that of a fisheye lens, which is not supported; "
-                                      "undistort the images, and pass the camera of those");
+  // OpenCV's calibration program writes 1 for a fisheye lens.
+  const bool is_fisheye = has(root, "fisheye_model") && root["fisheye_model"].Scalar() != "0";
+  if (is_fisheye || model == "equidistant" || model == "fisheye") {
+    file.fail(is_fisheye ? "fisheye_model" : "distortion_model",
+              (is_fisheye ? root["fisheye_model"].Scalar() : model) +
+                  " is that of a fisheye lens, which is not supported; undistort the images, and "
+                  "pass the camera of those");
   }
   if (!model.empty() && model != "plumb_bob" && model != "rational_polynomial" && model != "none") {
     file.fail("distortion_model",

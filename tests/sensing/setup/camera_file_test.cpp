@@ -194,6 +194,7 @@ TEST(CameraFile, ReadsMessagesAndFilesOfRos) {
 TEST(CameraFile, RefusesWhatItCannotRepresentInWords) {
   expect_refused(replaced(kRosMessage, "\"plumb_bob\"", "\"equidistant\""),
                  "distortion_model: equidistant is that of a fisheye lens");
+  expect_refused(kRosFile + "fisheye_model: 1\n", "fisheye_model: 1 is that of a fisheye lens");
   expect_refused(replaced(kRosMessage, "\"plumb_bob\"", "\"thin\""), "thin is not known");
   expect_refused(replaced(kRosMessage, "\"plumb_bob\"", "\"\""), "distortion_model: is empty");
   expect_refused(replaced(kRosMessage, "0.0625]", "0.0625, 0.1]"), "D: plumb_bob has the 5");
