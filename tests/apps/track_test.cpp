@@ -357,7 +357,7 @@ TEST_F(Track, OnlyTheSameCallIsResumed) {
     EXPECT_EQ(content(scratch / "meshes"), before);
     return result.err;
   };
-  EXPECT_NE(refusal({"--resume", "--stiffness", "0.02"}).find("another --stiffness"),
+  EXPECT_NE(refusal({"--resume", "--stiffness", "0.03"}).find("another --stiffness"),
             std::string::npos);
   EXPECT_NE(refusal({"--resume", "--format", "obj"}).find("another --format"), std::string::npos);
   fs::rename(map_file(5), scratch / "range/000007.tiff");

@@ -140,31 +140,23 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
   return total;
 }
 
-/// |s l_jk R_j (g_k - g_j) - (g'_k - g'_j)|^2 for both directions of each edge. Both together are
-/// 2 |s l_jk (R_j + R_k)/2 (g_k - g_j) - (g'_k - g'_j)|^2, which is stretch, and bending. The scale
-/// follows from the stretch alone: bending costs less on a smaller surface.
-void DeformationEquations::add_stiffness(double stiffness, double scale,
+/// |s l_jk R_j (g_k - g_j) - (g'_k - g'_j)|^2 for both directions of each edge.
+/// \param links s l_jk (g_k - g_j), see `rest_links`
+void DeformationEquations::add_stiffness(double stiffness, const Eigen::Matrix3Xd& links,
                                          const std::vector<Eigen::Isometry3d>& motions,
                                          Sums& sums) const {
   const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
   const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
-  const Eigen::Matrix3Xd links = rest_links(graph_, motions, scale);
-  sums.of_scale.setZero(sums.gradient.size());
-  sums.stretch_of_nodes.setZero(sums.gradient.size());
   for (Eigen::Index e = 0; e < graph_.edges().cols(); ++e) {
     const int low = graph_.edges()(0, e);
     const int high = graph_.edges()(1, e);
     Matrix6d& coupling = sums.blocks[nodes + static_cast<std::size_t>(e)];
-    const Eigen::Vector3d chord =
-        motions[static_cast<std::size_t>(high)] * graph_.nodes().col(high) -
-        motions[static_cast<std::size_t>(low)] * graph_.nodes().col(low);
-    Eigen::Vector3d mean_arm = Eigen::Vector3d::Zero();  // from low to high
     for (const auto& [j, k] : {std::pair(low, high), std::pair(high, low)}) {
-      const double sign = j == low ? 1 : -1;
-      const Eigen::Vector3d arm =
-          sign * (motions[static_cast<std::size_t>(j)].linear() * links.col(e));
-      const Eigen::Vector3d error = arm - sign * chord;
-      mean_arm += sign * arm / 2;
+      const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(j)];
+      const Eigen::Vector3d g_j = motion * graph_.nodes().col(j);
+      const Eigen::Vector3d g_k = motions[static_cast<std::size_t>(k)] * graph_.nodes().col(k);
+      const Eigen::Vector3d arm = (j == low ? 1.0 : -1.0) * (motion.linear() * links.col(e));
+      const Eigen::Vector3d error = arm - (g_k - g_j);
       Eigen::Matrix<double, 3, kUnknowns> of_j;
       of_j << -cross_matrix(arm) / graph_.spacing(), identity;
       sums.blocks[static_cast<std::size_t>(j)] += stiffness * of_j.transpose() * of_j;
@@ -177,22 +169,34 @@ void DeformationEquations::add_stiffness(double stiffness, double scale,
       }
       sums.gradient.segment<kUnknowns>(kUnknowns * j) += stiffness * of_j.transpose() * error;
       sums.gradient.segment<3>(kUnknowns * k + 3) -= stiffness * error;
-      // Turning does not lengthen an arm.
-      sums.of_scale.segment<3>(kUnknowns * j + 3) += stiffness * arm / scale;
-      sums.of_scale.segment<3>(kUnknowns * k + 3) -= stiffness * arm / scale;
     }
-    const double length = mean_arm.norm();
-    if (!(length > 0)) continue;
-    const Eigen::Vector3d along = mean_arm / length;
-    const double weight = 2 * stiffness * length / scale;
-    sums.stretch += weight * (length - along.dot(chord));
-    sums.stretch_of_scale += weight * length / scale;
-    sums.stretch_of_nodes.segment<3>(kUnknowns * low + 3) += weight * along;
-    sums.stretch_of_nodes.segment<3>(kUnknowns * high + 3) -= weight * along;
   }
-  const double held = kScale * sums.stretch_of_scale;
-  sums.stretch += held * (scale - 1);
-  sums.stretch_of_scale += held;
+}
+
+/// Both directions of an edge together cost 2 |s l_jk (R_j + R_k)/2 (g_k - g_j) - (g'_k - g'_j)|^2,
+/// which is stretch, and bending. The scale follows from the stretch alone: bending costs less on a
+/// smaller surface.
+void DeformationEquations::add_stretch(double stiffness, double scale,
+                                       const Eigen::Matrix3Xd& links,
+                                       const std::vector<Eigen::Isometry3d>& motions,
+                                       Sums& sums) const {
+  sums.of_scale_and_nodes.setZero(kUnknowns * graph_.nodes().cols());
+  for (Eigen::Index e = 0; e < graph_.edges().cols(); ++e) {
+    const int low = graph_.edges()(0, e);
+    const int high = graph_.edges()(1, e);
+    const Eigen::Isometry3d& of_low = motions[static_cast<std::size_t>(low)];
+    const Eigen::Isometry3d& of_high = motions[static_cast<std::size_t>(high)];
+    const Eigen::Vector3d chord =
+        of_high * graph_.nodes().col(high) - of_low * graph_.nodes().col(low);
+    const Eigen::Vector3d arm = (of_low.linear() + of_high.linear()) * links.col(e) / 2;
+    // Turning does not lengthen an arm.
+    const Eigen::Vector3d per_scale = 2 * stiffness * arm / scale;
+    sums.of_scale += per_scale.dot(arm - chord);
+    sums.of_scale_twice += per_scale.dot(arm) / scale;
+    sums.of_scale_and_nodes.segment<3>(kUnknowns * low + 3) += per_scale;
+    sums.of_scale_and_nodes.segment<3>(kUnknowns * high + 3) -= per_scale;
+  }
+  sums.of_scale += kScale * sums.of_scale_twice * (scale - 1);
 }
 
 void DeformationEquations::add_anchors(double weight, const Eigen::Matrix3Xd& anchors,
@@ -225,30 +229,37 @@ void DeformationEquations::fill_matrix(const Sums& sums) {
 
 double DeformationEquations::scale_of(const std::vector<Eigen::Isometry3d>& motions) const {
   Sums sums;
-  sums.blocks.assign(static_cast<std::size_t>(graph_.nodes().cols() + graph_.edges().cols()),
-                     Matrix6d::Zero());
-  sums.gradient.setZero(kUnknowns * graph_.nodes().cols());
-  add_stiffness(1, 1, motions, sums);
-  return sums.stretch_of_scale > 0 ? 1 - sums.stretch / sums.stretch_of_scale : 1;
+  add_stretch(1, 1, rest_links(graph_, motions, 1), motions, sums);
+  if (!(sums.of_scale_twice > 0)) return 1;
+  return std::clamp(1 - sums.of_scale / ((1 + kScale) * sums.of_scale_twice), 1 / kMostScale,
+                    kMostScale);
 }
 
 double DeformationEquations::step(std::span<const PlanePair> pairs, double stiffness,
                                   const Eigen::Matrix3Xd& anchors, double hold, bool scale_is_free,
                                   double& scale, std::vector<Eigen::Isometry3d>& motions) {
   Sums sums = sum_of_planes(pairs, motions);
-  add_stiffness(stiffness, scale, motions, sums);
+  const Eigen::Matrix3Xd links = rest_links(graph_, motions, scale);
+  add_stiffness(stiffness, links, motions, sums);
   add_anchors(kAnchor * stiffness, anchors, motions, sums);
   if (hold > 0) add_anchors(hold, graph_.nodes(), motions, sums);
   fill_matrix(sums);
   solver_.factorize(matrix_);
   Eigen::VectorXd moves = solver_.solve(-sums.gradient);
-  if (scale_is_free && sums.stretch_of_scale > 0) {
-    const Eigen::VectorXd per_scale = solver_.solve(sums.of_scale);
-    const double change = -(sums.stretch + sums.stretch_of_nodes.dot(moves)) /
-                          (sums.stretch_of_scale - sums.stretch_of_nodes.dot(per_scale));
-    const double changed = std::clamp(scale + change, 1 / kMostScale, kMostScale);
-    moves -= (changed - scale) * per_scale;
-    scale = changed;
+  if (scale_is_free) {
+    add_stretch(stiffness, scale, links, motions, sums);
+    const Eigen::VectorXd per_scale = solver_.solve(sums.of_scale_and_nodes);
+    // What is left if the nodes follow the scale: at least what holds it. A strongly bent surface
+    // that nothing attracts has less.
+    const double held = kScale * sums.of_scale_twice;
+    const double left =
+        std::max(held + sums.of_scale_twice - sums.of_scale_and_nodes.dot(per_scale), held);
+    if (left > 0) {
+      const double change = -(sums.of_scale + sums.of_scale_and_nodes.dot(moves)) / left;
+      const double changed = std::clamp(scale + change, 1 / kMostScale, kMostScale);
+      moves -= (changed - scale) * per_scale;
+      scale = changed;
+    }
   }
   if (solver_.info() != Eigen::Success || !moves.allFinite()) {
     throw SolverError(

@@ -30,7 +30,7 @@ class DeformationEquations {
 
   [[nodiscard]] std::span<const int> samples() const { return samples_; }
 
-  /// The scale of the whole surface that explains its motions best.
+  /// The scale of the whole surface that explains its motions best, at most by kMostScale.
   [[nodiscard]] double scale_of(const std::vector<Eigen::Isometry3d>& motions) const;
 
   /// Moves the nodes by one step. `pairs`: one per sample. Returns the largest
@@ -50,17 +50,19 @@ class DeformationEquations {
   struct Sums {
     std::vector<Matrix6d> blocks;
     Eigen::VectorXd gradient;
-    Eigen::VectorXd of_scale;  ///< derivative of the gradient with respect to the scale
-    /// Derivative of the stretch with respect to the scale, and its own derivatives.
-    double stretch = 0;
-    double stretch_of_scale = 0;
-    Eigen::VectorXd stretch_of_nodes;
+    /// Derivatives of half the energy of stretch: with respect to the scale, once and twice, and of
+    /// that with respect to the nodes.
+    double of_scale = 0;
+    double of_scale_twice = 0;
+    Eigen::VectorXd of_scale_and_nodes;
   };
 
   [[nodiscard]] Sums sum_of_planes(std::span<const PlanePair> pairs,
                                    const std::vector<Eigen::Isometry3d>& motions) const;
-  void add_stiffness(double stiffness, double scale, const std::vector<Eigen::Isometry3d>& motions,
-                     Sums& sums) const;
+  void add_stretch(double stiffness, double scale, const Eigen::Matrix3Xd& links,
+                   const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
+  void add_stiffness(double stiffness, const Eigen::Matrix3Xd& links,
+                     const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
   void add_anchors(double weight, const Eigen::Matrix3Xd& anchors,
                    const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
   void fill_matrix(const Sums& sums);

@@ -22,12 +22,12 @@ namespace {
 constexpr int kInfluences = DeformationGraph::kInfluences;
 
 /// Smoothing as in SmoothingOptions: rounds, lambda and the pass band. Waves shorter than some ten
-/// vertices are taken for noise, but none that the nodes can follow: of two spacings, which have
-/// this frequency times the number of vertices per node.
+/// vertices are taken for noise.
 constexpr int kSmoothings = 20;
 constexpr double kShrink = 0.5;
 constexpr double kPassBand = 0.1;
-constexpr double kPassBandOfNodes = 2.5;
+/// On coarser meshes, nodes follow such waves.
+constexpr double kLeastVerticesPerNode = 8;
 
 /// The edges at each vertex, with their lengths.
 class EdgeLists {
@@ -221,9 +221,8 @@ Eigen::Matrix3Xd smoothed(const TriangleMesh& mesh, const EdgeLists& edge_lists,
                           Eigen::Index node_count) {
   const double vertices_per_node =
       static_cast<double>(mesh.vertices.cols()) / static_cast<double>(node_count);
-  const double pass_band = std::max(kPassBand, kPassBandOfNodes / vertices_per_node);
   Eigen::Matrix3Xd even = mesh.vertices;
-  if (pass_band >= 1) return even;
+  if (vertices_per_node < kLeastVerticesPerNode) return even;
   const auto move_to_mean = [&](const Eigen::Matrix3Xd& from, double factor) {
     Eigen::Matrix3Xd moved = from;
     parallel_for(from.cols(), [&](Eigen::Index v) {
@@ -237,7 +236,7 @@ Eigen::Matrix3Xd smoothed(const TriangleMesh& mesh, const EdgeLists& edge_lists,
     return moved;
   };
   for (int i = 0; i < kSmoothings; ++i)
-    even = move_to_mean(move_to_mean(even, kShrink), 1 / (pass_band - 1 / kShrink));
+    even = move_to_mean(move_to_mean(even, kShrink), 1 / (kPassBand - 1 / kShrink));
   return even;
 }
 

@@ -221,7 +221,7 @@ class Fit {
   }
 
   DeformedSurface run(bool is_tracked) {
-    if (is_tracked) scale_ = equations_.scale_of(result_.node_motions);
+    if (is_tracked && may_grow()) scale_ = equations_.scale_of(result_.node_motions);
     iterate(is_tracked);
     look_at_all_vertices();
     result_.along = determined_along(graph_, places_of_nodes(), seen_samples(), options_.stiffness);
@@ -235,13 +235,15 @@ class Fit {
             std::cos(options_.max_normal_angle)};
   }
 
+  /// What is held does not change as a whole.
+  [[nodiscard]] bool may_grow() const { return options_.hold == 0; }
+
   void iterate(bool is_tracked) {
     int level = is_tracked ? kFirstTrackedLevel : 0;
     int steps_of_level = 0;
     std::vector<PlanePair> pairs(equations_.samples().size());
     std::vector<int> pixels(samples_.size(), -1);
     Eigen::Matrix3Xd anchors = places_of_nodes();
-    const bool may_grow = options_.hold == 0;  // what is held does not change as a whole
     while (result_.iterations < options_.max_iterations) {
       if (draw(level, pixels, pairs) < kMinPairs) {
         result_.stop = NonRigidStop::no_overlap;
@@ -252,7 +254,7 @@ class Fit {
           options_.stiffness * (is_tracked ? 1 : between(kStiffStart, 1, level));
       const double move =
           equations_.step(pairs, stiffness, anchors, options_.hold,
-                          may_grow && level >= kFirstTrackedLevel, scale_, result_.node_motions);
+                          may_grow() && level >= kFirstTrackedLevel, scale_, result_.node_motions);
       ++result_.iterations;
       steps_.tell();
       ++steps_of_level;
