@@ -344,7 +344,12 @@ heard.)",
         geometry::RangeMapSelectionOptions options;
         set_fields(fields_of(options), keywords);
         geometry::PixelMask kept;
-        if (!mask.is_none()) kept = image(mask, "mask") != 0;
+        if (!mask.is_none()) {
+          kept = image(mask, "mask") != 0;
+          if (kept.size() == 0)
+            throw InvalidInput(
+                "mask: has no pixel; give one of the size of the range map, or None");
+        }
         const Unlocked unlocked;
         return RangeMap{geometry::select_depths(map, options, kept).z, map.camera};
       },

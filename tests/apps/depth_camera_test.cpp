@@ -83,6 +83,16 @@ TEST_F(DepthCamera, TakesTheCamerasOfOtherPrograms) {
   EXPECT_THAT(run_palpate({"info", scratch / "open3d.json"}).out,
               AllOf(HasSubstr("200 x 150 px"), HasSubstr("Open3D"), HasSubstr("1 mm")));
   EXPECT_THAT(run_palpate({"info", scratch / "camera_info.yaml"}).out, HasSubstr("ROS"));
+  write_text(scratch / "no_model.yaml",
+             "height: 150\nwidth: 200\nD: [0, 0, 0, 0, 0]\nK: [260, 0, 99.5, 0, 260, 74.5, 0, 0, "
+             "1]\n");
+  EXPECT_THAT(run_palpate({"info", scratch / "no_model.yaml"}).out, HasSubstr("ROS"));
+  write_text(scratch / "cx.json",
+             R"({"width": 200, "height": 150, "fx": 260, "fy": 260, "cx": 99.5, "cy": 74.5})");
+  EXPECT_THAT(run_palpate({"info", scratch / "cx.json"}).out, HasSubstr("RealSense"));
+  write_text(scratch / "other.yaml", "f: 260\n");
+  EXPECT_THAT(refused({"info", scratch / "other.yaml"}),
+              AllOf(HasSubstr("ROS"), HasSubstr("RealSense"), HasSubstr("Open3D")));
   write_text(scratch / "fish.yaml",
              "height: 150\nwidth: 200\ndistortion_model: equidistant\nD: [0, 0, 0, 0]\n"
              "K: [260, 0, 99.5, 0, 260, 74.5, 0, 0, 1]\n");
@@ -114,6 +124,44 @@ TEST_F(DepthCamera, ReadsTheLayoutOfTum) {
   figures(with(
       {"mesh", depth_image("00"), "--color-images", bundled("color"), "-o", scratch / "a.ply"}));
   EXPECT_EQ(read_text(scratch / "meshes/5.00.ply"), read_text(scratch / "a.ply"));
+}
+
+TEST_F(DepthCamera, TakesTheUnitOfTumOnlyForImagesThatAreListed) {
+  const std::string depths = copied_depths();
+  const std::vector<std::string> call = {
+      "-v", "mesh",           depths + "/000000.png", "--camera", bundled("camera.json"),
+      "-o", scratch / "a.ply"};
+  write_text(scratch / "depth.txt", "The depth of the water is 3 m.\n");
+  EXPECT_THAT(refused(call), HasSubstr("a depth image needs --scale"));
+  write_text(scratch / "depth.txt", "0 depth/000001.png\n");
+  EXPECT_THAT(refused(call), HasSubstr("a depth image needs --scale"));
+  for (const char* list : {"depth.txt", "depth/depth.txt"}) {
+    fs::remove(scratch / "depth.txt");
+    write_text(scratch / list,
+               fs::path(list).has_parent_path() ? "0 000000.png\n" : "0 depth/000000.png\n");
+    const CommandResult taken = run_palpate(call);
+    EXPECT_EQ(taken.status, kDone) << taken.err;
+    const std::string told = "one unit is 0.2 mm";
+    EXPECT_THAT(taken.err, HasSubstr(told));
+    EXPECT_EQ(taken.err.find(told), taken.err.rfind(told));
+  }
+}
+
+TEST_F(DepthCamera, SaysOnceThatOptionsConflict) {
+  for (const std::string command : {"mesh", "track", "fuse"}) {
+    const auto told = [&](const std::vector<std::string>& more) {
+      const fs::path output = scratch / (command == "fuse" ? "a.ply" : "a");
+      const std::string message = refused(with({command, bundled("depth"), "-o", output}, more));
+      EXPECT_EQ(std::ranges::count(message, '\n'), 1) << message;
+      EXPECT_FALSE(fs::exists(output));
+      return message;
+    };
+    EXPECT_THAT(told({"--near", "900", "--far", "300"}),
+                HasSubstr("--near is 900 mm; it must be less than --far"));
+    EXPECT_THAT(told({"--crop", "0,0,2,1,1,1"}), HasSubstr("--crop"));
+    EXPECT_THAT(told({"--mask", scratch / "none.png"}),
+                HasSubstr("none.png: there is no such file"));
+  }
 }
 
 TEST_F(DepthCamera, LeavesTheObjectAloneWithoutTableAndWall) {

@@ -315,6 +315,8 @@ class RangeMaps(unittest.TestCase):
         self.assertLessEqual(np.nanmax(boxed.points()[:, 0]), 0)
         with self.assertRaisesRegex(palpate.InvalidInput, "far is -1"):
             palpate.select_depths(map, far=-1)
+        with self.assertRaisesRegex(palpate.InvalidInput, "mask: has no pixel"):
+            palpate.select_depths(map, mask=np.zeros((0, 0), bool))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
+#include <system_error>
 
 #include "palpate/core/error.h"
 #include "palpate/sensing/camera_file.h"
@@ -31,15 +33,11 @@ cv::Mat read_picture(const std::filesystem::path& file, const geometry::Camera& 
 /// folder of its colour images; else empty.
 std::filesystem::path recorded_color(const std::filesystem::path& folder,
                                      const std::filesystem::path& depth_image) {
-  const std::filesystem::path recording =
-      std::filesystem::absolute(depth_image).parent_path().parent_path();
-  if (!sensing::is_depth_recording(recording)) return {};
-  for (const sensing::RecordedDepth& frame : sensing::read_depth_recording(recording)) {
-    if (frame.depth.filename() != depth_image.filename() || frame.color.empty()) continue;
-    if (std::filesystem::equivalent(folder, recording) ||
-        std::filesystem::equivalent(folder, frame.color.parent_path()))
-      return frame.color;
-  }
+  const std::optional<sensing::RecordedDepth> frame = sensing::find_recorded(depth_image);
+  if (!frame || frame->color.empty()) return {};
+  std::error_code is_missing;
+  for (const std::filesystem::path& place : {frame->recording, frame->color.parent_path()})
+    if (std::filesystem::equivalent(folder, place, is_missing)) return frame->color;
   return {};
 }
 

@@ -125,16 +125,23 @@ std::vector<fs::path> range_maps_in(const fs::path& folder) {
   return images;
 }
 
-/// [mm] The length of one unit of a depth image, if it is known.
+/// [mm] The length of one unit of a depth image, if it is known. Tells once that a recording
+/// implies it.
 std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& camera) {
   if (camera.scale) return camera.scale;
   if (!camera.rig.empty()) {
     const std::optional<double> unit = sensing::read_camera_file(camera.rig).mm_per_unit;
     if (unit) return unit;
   }
-  const fs::path recording = fs::absolute(depth_image).parent_path().parent_path();
-  if (sensing::is_depth_recording(recording)) return sensing::kRecordingUnit;
-  return std::nullopt;
+  if (!sensing::find_recorded(depth_image)) return std::nullopt;
+  static std::once_flag told;
+  std::call_once(told, [&] {
+    spdlog::info(
+        "{}: is listed by a depth.txt, the layout of TUM RGB-D: one unit is {:g} mm; "
+        "--scale sets another.",
+        depth_image.string(), sensing::kRecordingUnit);
+  });
+  return sensing::kRecordingUnit;
 }
 
 geometry::Camera camera_of(const fs::path& depth_image, const MapCamera& camera) {
@@ -315,7 +322,7 @@ void add_camera_options(CLI::App& command, MapCamera& camera) {
   command
       .add_option("--scale", camera.scale,
                   "Depth image: length of one unit [mm] (default: as recorded by Open3D, and 0.2 "
-                  "beside a depth.txt, the layout of TUM RGB-D)")
+                  "if a depth.txt lists it, the layout of TUM RGB-D)")
       ->check(within(above(0)));
   command
       .add_option("--intrinsics", camera.intrinsics,
@@ -333,6 +340,8 @@ void add_selection_options(CLI::App& command, MapCamera& camera) {
 }
 
 void check_camera_options(const fs::path& path, const MapCamera& camera) {
+  geometry::check_selection(camera.selection);
+  if (!camera.mask.empty()) (void)is_folder(camera.mask);  // refuses a missing one
   if (is_range_map(path)) {
     if (!camera.scale && camera.intrinsics.empty()) return;
     throw InvalidInput(path.string() + ": " + (camera.scale ? "--scale" : "--intrinsics") +

@@ -46,8 +46,9 @@ void add_camera_options(CLI::App& command, MapCamera& camera);
 /// Adds the options that select depths: `--near`, `--far`, `--crop`, `--mask`, `--remove-plane`.
 void add_selection_options(CLI::App& command, MapCamera& camera);
 
-/// Checks that the options suit a range map or a depth image, without reading it.
+/// Checks that the options suit each other and a range map or a depth image, without reading it.
 /// \throws InvalidInput.
+/// \throws FileError if the mask is missing.
 void check_camera_options(const std::filesystem::path& path, const MapCamera& camera);
 
 /// Reads a range map or a depth image, and tells what is unlikely about its camera and depths.

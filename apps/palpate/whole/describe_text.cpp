@@ -153,19 +153,20 @@ Description describe_record(const fs::path& path) {
 Description describe_yaml(const fs::path& path) {
   const std::string text = text_of(path);
   if (text.find("projector_matrix") != std::string::npos) return describe_rig(path);
-  for (const char* key : {"camera_matrix", "intrinsic_matrix", "ppx", "distortion_model"})
-    if (text.find(key) != std::string::npos) return describe_camera(path);
   if (text.find("period_px") != std::string::npos) return describe_pattern(path);
   if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
   if (text.find("variance") != std::string::npos) return describe_colors(path);
   if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
   if (is_project(text)) return describe_project(path);
-  throw FileError(path.string() +
-                  ": neither a rig (projector_matrix), nor a camera (camera_matrix), nor a pattern "
-                  "(period_px), nor trained colours "
-                  "(variance), nor a response (gamma_deviation), nor a virtual sensor "
-                  "(read_noise), nor a project "
-                  "(sections such as decode, fit).");
+  if (sensing::is_camera_file(path)) return describe_camera(path);
+  throw FileError(
+      path.string() +
+      ": neither a rig (projector_matrix), nor a camera (of Palpate, OpenCV, ROS, RealSense or "
+      "Open3D), nor a pattern "
+      "(period_px), nor trained colours "
+      "(variance), nor a response (gamma_deviation), nor a virtual sensor "
+      "(read_noise), nor a project "
+      "(sections such as decode, fit).");
 }
 
 Description describe_csv(const fs::path& path) {

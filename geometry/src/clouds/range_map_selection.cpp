@@ -42,21 +42,7 @@ std::vector<Eigen::AlignedBox3d> boxes_of(const TableField::Rows& rows) {
   return boxes;
 }
 
-void check(const RangeMapSelectionOptions& options, const RangeMap& map, const PixelMask& mask) {
-  RangeMapSelectionOptions checked = in_range(options);
-  if (checked.near && checked.far && !(*checked.near < *checked.far)) {
-    throw InvalidInput({{"RangeMapSelectionOptions::near", true},
-                        {fmt::format(" is {:g} mm; it must be less than ", *checked.near)},
-                        {"RangeMapSelectionOptions::far", true},
-                        {fmt::format(", which is {:g} mm", *checked.far)}});
-  }
-  for (const Eigen::AlignedBox3d& box : checked.crop) {
-    if ((box.min().array() < box.max().array()).all()) continue;
-    throw InvalidInput(
-        {{"RangeMapSelectionOptions::crop", true},
-         {fmt::format(" is {}; it must be x0, y0, z0, x1, y1, z1 with x0 < x1, y0 < y1 and z0 < z1",
-                      fmt::join(rows_of({box}).front(), ", "))}});
-  }
+void check_mask(const RangeMap& map, const PixelMask& mask) {
   if (mask.size() > 0 && (mask.rows() != map.z.rows() || mask.cols() != map.z.cols())) {
     throw InvalidInput(
         fmt::format("select_depths(): the mask has {} x {} px, but the range map {} x {} px; they "
@@ -127,17 +113,37 @@ void visit(RangeMapSelectionOptions& options, FieldVisitor& visitor) {
                options.remove_plane, above(0).finite());
 }
 
+void check_selection(const RangeMapSelectionOptions& options) {
+  RangeMapSelectionOptions checked = in_range(options);
+  if (checked.near && checked.far && !(*checked.near < *checked.far)) {
+    throw InvalidInput({{"RangeMapSelectionOptions::near", true},
+                        {fmt::format(" is {:g} mm; it must be less than ", *checked.near)},
+                        {"RangeMapSelectionOptions::far", true},
+                        {fmt::format(", which is {:g} mm", *checked.far)}});
+  }
+  for (const Eigen::AlignedBox3d& box : checked.crop) {
+    if ((box.min().array() < box.max().array()).all()) continue;
+    throw InvalidInput(
+        {{"RangeMapSelectionOptions::crop", true},
+         {fmt::format(" is {}; it must be x0, y0, z0, x1, y1, z1 with x0 < x1, y0 < y1 and z0 < z1",
+                      fmt::join(rows_of({box}).front(), ", "))}});
+  }
+}
+
 bool selects(const RangeMapSelectionOptions& options) {
   return options.near || options.far || !options.crop.empty() || options.remove_plane;
 }
 
 RangeMapSelection select_depths(const RangeMap& map, const RangeMapSelectionOptions& options,
                                 const PixelMask& mask) {
-  check(options, map, mask);
+  check_selection(options);
+  check_mask(map, mask);
   RangeMapSelection selection{.z = map.z};
   ImageF& z = selection.z;
-  // Depths that are not positive are unknown, as they are to meshes.
-  leave_out(z, [&](Eigen::Index pixel) { return !(z.data()[pixel] > 0); });
+  // Depths that are infinite or not positive are unknown, as they are to meshes.
+  leave_out(z, [&](Eigen::Index pixel) {
+    return !(z.data()[pixel] > 0) || !std::isfinite(z.data()[pixel]);
+  });
   selection.nearest = selection.farthest = std::numeric_limits<double>::quiet_NaN();
   for (const float depth : z.reshaped()) {
     if (std::isnan(depth)) continue;

@@ -8,16 +8,26 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <sstream>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 
 namespace palpate::sensing {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Without the blanks at both ends, and the \r of a line of Windows.
+std::string_view trimmed(std::string_view text) {
+  constexpr const char* kBlanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
 
 /// The files of a list by their time [s].
 std::map<double, fs::path> read_list(const fs::path& list) {
@@ -26,17 +36,17 @@ std::map<double, fs::path> read_list(const fs::path& list) {
   std::map<double, fs::path> files;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    std::istringstream words(line);
-    std::string time, file;
-    if (!(words >> time) || time.starts_with('#')) continue;
+    std::string_view rest = line;
+    const std::string_view time = next_word(rest);
+    if (time.empty() || time.starts_with('#')) continue;
     const auto fail = [&](const std::string& message) {
       throw FileError(fmt::format("{}: line {}: {}", list.string(), number, message));
     };
-    char* end = nullptr;
-    const double seconds = std::strtod(time.c_str(), &end);
-    if (*end != '\0' || !std::isfinite(seconds) || !(words >> file))
+    const std::optional<double> seconds = parse_number<double>(time);
+    const std::string_view file = trimmed(rest);
+    if (!seconds || !std::isfinite(*seconds) || file.empty())
       fail("a time [s] and the name of a file are expected");
-    if (!files.emplace(seconds, list.parent_path() / file).second)
+    if (!files.emplace(*seconds, list.parent_path() / file).second)
       fail(fmt::format("the time {} is there twice", time));
   }
   return files;
@@ -75,8 +85,27 @@ std::vector<RecordedDepth> read_depth_recording(const fs::path& folder) {
   if (fs::exists(folder / "rgb.txt", cannot_look)) colors = read_list(folder / "rgb.txt");
   std::vector<RecordedDepth> recorded;
   for (const auto& [time, file] : depths)
-    recorded.push_back({.time = time, .depth = file, .color = nearest(colors, time)});
+    recorded.push_back(
+        {.time = time, .depth = file, .color = nearest(colors, time), .recording = folder});
   return recorded;
+}
+
+std::optional<RecordedDepth> find_recorded(const fs::path& depth_image) {
+  const fs::path beside = fs::absolute(depth_image).parent_path();
+  for (const fs::path& folder : {beside, beside.parent_path()}) {
+    if (!is_depth_recording(folder)) continue;
+    try {
+      for (const RecordedDepth& frame : read_depth_recording(folder)) {
+        std::error_code is_missing;
+        if (frame.depth.filename() == depth_image.filename() &&
+            fs::equivalent(frame.depth, depth_image, is_missing))
+          return frame;
+      }
+    } catch (const FileError&) {
+      // A depth.txt of another kind is no recording.
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace palpate::sensing

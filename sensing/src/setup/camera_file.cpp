@@ -110,11 +110,14 @@ CameraFile read_ros(const StorageFile& file) {
     }
   }
   const std::string coefficients = is_message ? spelt(root, "D", "d") : "distortion_coefficients";
-  const std::vector<double> values =
-      has(root, coefficients.c_str()) ? list_or_data(file, coefficients) : std::vector<double>();
   const std::string model = has(root, "distortion_model") && !root["distortion_model"].IsNull()
                                 ? root["distortion_model"].Scalar()
                                 : "";
+  std::vector<double> values;
+  if (has(root, coefficients.c_str()))
+    values = list_or_data(file, coefficients);
+  else if (model != "none" && !(is_message && model.empty()))
+    file.fail(coefficients, "is missing; write zeros if there is no lens distortion");
   // OpenCV's calibration program writes 1 for a fisheye lens.
   const bool is_fisheye = has(root, "fisheye_model") && root["fisheye_model"].Scalar() != "0";
   if (is_fisheye || model == "equidistant" || model == "fisheye") {
@@ -129,8 +132,11 @@ CameraFile read_ros(const StorageFile& file) {
   }
   if (model == "plumb_bob" && values.size() > 5 && !all_zero(std::span(values).subspan(5)))
     file.fail(coefficients, "plumb_bob has the 5 coefficients k1, k2, p1, p2, k3");
-  if (read.format == CameraFileFormat::ros && model.empty() && !all_zero(values))
-    file.fail("distortion_model", "is empty, but there are distortion coefficients");
+  const bool has_none = model == "none" || (read.format == CameraFileFormat::ros && model.empty());
+  if (has_none && !all_zero(values)) {
+    file.fail("distortion_model", fmt::format("is {}, but there are distortion coefficients",
+                                              model.empty() ? "empty" : model));
+  }
   set_distortion(file, coefficients, values, read.camera);
   return read;
 }
@@ -221,11 +227,19 @@ CameraFile read_realsense(const StorageFile& file) {
   return read;
 }
 
+/// Whether a file is a camera or a rig of Palpate.
+bool is_own(const std::string& bytes) {
+  const auto names = [&](const char* key) { return bytes.find(key) != std::string::npos; };
+  return names("camera_size") || names("projector_matrix");
+}
+
+/// One of these keys is in the camera file of each other program.
+constexpr std::array kForeignKeys = {"image_width",      "K",         "k",
+                                     "intrinsic_matrix", "intrinsic", "fx"};
+
 CameraFile read_any(const std::filesystem::path& path) {
   std::string bytes = read_bytes(path);
-  const auto names = [&](const char* key) { return bytes.find(key) != std::string::npos; };
-  if (names("camera_size") || names("projector_matrix"))
-    return {.camera = read_lens(StorageFile(path, bytes), "camera")};
+  if (is_own(bytes)) return {.camera = read_lens(StorageFile(path, bytes), "camera")};
   const StorageFile file(path, std::move(bytes), kExpected);
   const YAML::Node& root = file.root();
   if (has(root, "image_width") || has(root, "K") || has(root, "k")) return read_ros(file);
@@ -241,6 +255,18 @@ std::string_view name(CameraFileFormat format) {
   constexpr std::array<std::string_view, 5> kNames = {"Palpate", "OpenCV", "ROS", "RealSense",
                                                       "Open3D"};
   return kNames.at(static_cast<std::size_t>(format));
+}
+
+bool is_camera_file(const std::filesystem::path& path) {
+  std::string bytes = read_bytes(path);
+  if (is_own(bytes)) return true;
+  try {
+    const StorageFile file(path, std::move(bytes), kExpected);
+    return std::ranges::any_of(kForeignKeys,
+                               [&](const char* key) { return has(file.root(), key); });
+  } catch (const FileError&) {
+    return false;  // neither YAML nor JSON
+  }
 }
 
 CameraFile read_camera_file(const std::filesystem::path& path) {

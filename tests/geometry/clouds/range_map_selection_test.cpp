@@ -152,6 +152,15 @@ TEST(RangeMapSelection, SaysThatThereIsNoPlane) {
   EXPECT_EQ(select_depths(map, {.near = 1, .remove_plane = 1}).known, 0);
 }
 
+TEST(RangeMapSelection, TakesInfiniteDepthsForUnknown) {
+  RangeMap map{ImageF::Constant(120, 160, 500), table_camera()};
+  map.z(3, 4) = std::numeric_limits<float>::infinity();
+  const RangeMapSelection kept = select_depths(map, {});
+  EXPECT_TRUE(std::isnan(kept.z(3, 4)));
+  EXPECT_EQ(kept.known, map.z.size() - 1);
+  EXPECT_EQ(kept.farthest, 500);
+}
+
 TEST(RangeMapSelection, NamesOptionsThatMakeNoSense) {
   const RangeMap map = seen_table({}, 0);
   const auto refused = [&](const RangeMapSelectionOptions& options) -> std::string {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,32 @@ TEST(DepthRecording, HasNoColourThatWasTakenTooEarlyOrTooLate) {
   const std::vector<RecordedDepth> recorded = read_depth_recording(folder.path());
   EXPECT_TRUE(recorded[0].color.empty());
   EXPECT_EQ(recorded[1].color, folder / "rgb/late.png");
+}
+
+TEST(DepthRecording, TakesTheRestOfALineAsTheNameOfTheFile) {
+  const ScratchFolder folder;
+  write_text(folder / "depth.txt", "  0 depth/my 000000.png \r\n+1\tdepth/my  1.png\n");
+  const std::vector<RecordedDepth> recorded = read_depth_recording(folder.path());
+  EXPECT_EQ(recorded[0].depth, folder / "depth/my 000000.png");
+  EXPECT_EQ(recorded[1].depth, folder / "depth/my  1.png");
+  EXPECT_EQ(recorded[1].time, 1);
+}
+
+TEST(DepthRecording, FindsOnlyImagesThatAreListed) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "depth");
+  for (const char* name : {"a.png", "depth/a.png", "depth/b.png"}) write_text(folder / name, "");
+  const auto is_found = [&](const char* name) { return find_recorded(folder / name).has_value(); };
+  EXPECT_FALSE(is_found("depth/a.png"));
+  write_text(folder / "depth.txt", "1 depth/a.png\n");
+  EXPECT_EQ(find_recorded(folder / "depth/a.png").value().recording, folder.path());
+  EXPECT_FALSE(is_found("depth/b.png"));
+  EXPECT_FALSE(is_found("a.png"));
+  write_text(folder / "depth.txt", "1 a.png\n");  // beside the list
+  EXPECT_TRUE(is_found("a.png"));
+  EXPECT_FALSE(is_found("depth/a.png"));
+  write_text(folder / "depth.txt", "1 depth/a.png\nNotes: the depth is that of the water.\n");
+  EXPECT_FALSE(is_found("depth/a.png"));
 }
 
 TEST(DepthRecording, NamesTheLineThatIsWrong) {

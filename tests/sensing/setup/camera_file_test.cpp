@@ -191,6 +191,24 @@ TEST(CameraFile, ReadsMessagesAndFilesOfRos) {
   EXPECT_EQ(camera_of(opencv, CameraFileFormat::opencv).distortion, file.distortion);
 }
 
+TEST(CameraFile, TakesMissingCoefficientsForZerosOnlyIfTheModelSaysSo) {
+  const std::string missing = "distortion_coefficients: is missing; write zeros";
+  const auto begin = kRosFile.find("distortion_coefficients"),
+             end = kRosFile.find("rectification_matrix");
+  const std::string file = kRosFile.substr(0, begin) + kRosFile.substr(end);
+  expect_refused(file, missing);
+  expect_refused(replaced(file, "distortion_model: rational_polynomial\n", ""), missing);
+  const std::string model = "\"plumb_bob\"",
+                    message =
+                        replaced(kRosMessage, "D: [0.125, -0.25, 0.001, -0.002, 0.0625]\n", "");
+  expect_refused(message, "D: is missing; write zeros");
+  for (const char* none : {"\"\"", "none"}) {
+    const Camera camera = camera_of(replaced(message, model, none), CameraFileFormat::ros);
+    EXPECT_EQ(camera.distortion, Camera{}.distortion);
+    expect_refused(replaced(kRosMessage, model, none), "but there are distortion coefficients");
+  }
+}
+
 TEST(CameraFile, RefusesWhatItCannotRepresentInWords) {
   expect_refused(replaced(kRosMessage, "\"plumb_bob\"", "\"equidistant\""),
                  "distortion_model: equidistant is that of a fisheye lens");

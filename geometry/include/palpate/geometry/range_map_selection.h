@@ -28,6 +28,10 @@ struct RangeMapSelectionOptions {
 };
 void visit(RangeMapSelectionOptions& options, FieldVisitor& visitor);
 
+/// \throws InvalidInput if an option is outside its range, near is not < far, or a box has no
+/// extent.
+void check_selection(const RangeMapSelectionOptions& options);
+
 /// Whether the options can leave out a depth.
 [[nodiscard]] bool selects(const RangeMapSelectionOptions& options);
 
@@ -51,8 +55,8 @@ struct RangeMapSelection {
 
 /// Selects depths. A plane is found in at most 20,000 of the points, evenly spread over the image.
 /// \param mask of the size of `map`; pixels outside it are left out. Empty: no limit.
-/// \throws InvalidInput if an option is outside its range, near is not < far, a box has no extent or
-/// the mask another size, or if the camera is not valid.
+/// \throws InvalidInput as `check_selection` does, if the mask has another size, or if the camera is
+/// not valid.
 [[nodiscard]] RangeMapSelection select_depths(const RangeMap& map,
                                               const RangeMapSelectionOptions& options,
                                               const PixelMask& mask = {});

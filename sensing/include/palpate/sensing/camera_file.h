@@ -42,10 +42,16 @@ struct CameraFile {
 /// Brown-Conrady, and the modified one without tangential coefficients. The other models are
 /// refused; the inverse Brown-Conrady model, which RealSense cameras name even for rectified
 /// images, only if a coefficient is not zero.
+/// The coefficients of a distortion may be missing only where ROS names the model none or no model.
 /// \throws FileError naming the file and the key if a value is missing, has the wrong shape or is
 /// not finite, or if the file tells a distortion, a binning or a part of the image (`roi`) that
 /// `Camera` cannot represent.
 [[nodiscard]] CameraFile read_camera_file(const std::filesystem::path& path);
+
+/// Whether a file has the keys of one of these formats, so that `read_camera_file` reads it or says
+/// what is wrong with it. Rigs count.
+/// \throws FileError if it cannot be read.
+[[nodiscard]] bool is_camera_file(const std::filesystem::path& path);
 
 /// The camera of `read_camera_file` alone.
 [[nodiscard]] geometry::Camera read_camera(const std::filesystem::path& path);

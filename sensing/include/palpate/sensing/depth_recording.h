@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace palpate::sensing {
@@ -15,9 +16,10 @@ inline constexpr double kColorDelay = 0.02;
 
 /// A depth image of a recording, and the colour image that belongs to it.
 struct RecordedDepth {
-  double time = 0;              ///< [s]
-  std::filesystem::path depth;  ///< 16-bit PNG
-  std::filesystem::path color;  ///< empty if none was taken within `kColorDelay`
+  double time = 0;                  ///< [s]
+  std::filesystem::path depth;      ///< 16-bit PNG
+  std::filesystem::path color;      ///< empty if none was taken within `kColorDelay`
+  std::filesystem::path recording;  ///< the folder of depth.txt
 };
 
 /// Whether a folder is a recording of a depth camera in the layout of the RGB-D benchmark of TUM:
@@ -25,10 +27,14 @@ struct RecordedDepth {
 [[nodiscard]] bool is_depth_recording(const std::filesystem::path& folder);
 
 /// Lists the images of a recording by time. Each line of `depth.txt` and `rgb.txt` has a time [s]
-/// and the name of a file; lines that begin with # are comments. `rgb.txt` may be missing. The
-/// images themselves are not looked at.
+/// and the name of a file, which may have spaces; lines that begin with # are comments. `rgb.txt`
+/// may be missing. The images themselves are not looked at.
 /// \throws FileError naming the file and the line if there is no depth image, a line has another
 /// form, or a time is there twice.
 [[nodiscard]] std::vector<RecordedDepth> read_depth_recording(const std::filesystem::path& folder);
+
+/// The entry of a depth image in the recording that lists it: that of its folder, or of the folder
+/// above. None if neither lists this very file; a `depth.txt` of another form does not count.
+[[nodiscard]] std::optional<RecordedDepth> find_recorded(const std::filesystem::path& depth_image);
 
 }  // namespace palpate::sensing
