@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "operations.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_selection.h"
 #include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/register_scans.h"
 #include "palpate/geometry/registration.h"
@@ -112,6 +114,20 @@ Results map_smoothing(const Input& input, const Change&) {
   return {unknown_allowed(numbers("depths", smooth.cast<double>().reshaped().matrix(), kLength))};
 }
 
+Results depth_selection(const Input& input, const Change& change) {
+  const RangeMap map = range_map_of_bump(input);
+  const double nearest =
+      map.z.isNaN().select(std::numeric_limits<float>::infinity(), map.z).minCoeff();
+  RangeMapSelectionOptions options{.far = nearest + 27 * input.length,
+                                   .remove_plane = 4 * input.length};
+  change(fields_of(options));
+  const RangeMapSelection selection = select_depths(map, options);
+  return {
+      unknown_allowed(numbers("depths", selection.z.cast<double>().reshaped().matrix(), kLength)),
+      number("too far", static_cast<double>(selection.too_far)),
+      number("on the plane", static_cast<double>(selection.on_plane))};
+}
+
 Results tracking(const Input& input, const Change& change) {
   TrackingOptions options{.nodes = 30};
   change(fields_of(options));
@@ -132,6 +148,7 @@ std::vector<Operation> scan_operations() {
       {"register_scans", kOptions | kSheet, scan_registration, 0, 1e4, 3},
       {"mesh_range_map", kFrame, map_mesh},
       {"smooth_range_map", kFrame, map_smoothing},
+      {"select_depths", kOptions | kFrame, depth_selection},
       {"SurfaceTracker", kOptions | kFrame, tracking, 0, 0, 3},
   };
 }
