@@ -126,10 +126,11 @@ TEST(RegisterDeformed, APlaneThatIsHeldDoesNotSlideInItself) {
   for (Eigen::Index v = 60; v < 140; ++v)
     for (Eigen::Index u = 40; u < 60; ++u) faulty.z(v, u) += 0.15F * static_cast<float>(u - 40);
   const auto slid = [&](double hold) {
-    const DeformedSurface found = register_deformed(graph, faulty, {.hold = hold});
+    const DeformedSurface found =
+        register_deformed(graph, faulty, {.stiffness = 0.01, .hold = hold});
     return (found.vertices - plane.rest.vertices).topRows<2>().rowwise().mean().norm();
   };
-  const double held = slid(0.01), free = slid(0);
+  const double held = slid(0.003), free = slid(0);
   EXPECT_LT(held, 0.1) << free;
   EXPECT_LT(held, 0.3 * free);
 }
@@ -207,10 +208,10 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
   test::add_noise(map, 0.25, 5);
   test::punch_holes(map, 0.15, 6);
   const std::vector<bool> visible = test::visible(moved.vertices, scene, map);
-  const DeformedSurface found = register_deformed(rest_graph(), map);
+  // The noise is low beside the dent of 20 mm, which a low stiffness follows best.
+  const DeformedSurface found = register_deformed(rest_graph(), map, {.stiffness = 0.01});
   EXPECT_EQ(found.stop, NonRigidStop::converged);
-  // Motion along the sheared middle of the dent; 20 mm deep, and nodes 46 mm apart.
-  EXPECT_LT(errors(found.vertices, moved.vertices, visible).rms, 1.1);
+  EXPECT_LT(errors(found.vertices, moved.vertices, visible).rms, 1.0);
 
   std::vector<bool> hidden = visible;
   hidden.flip();
@@ -275,13 +276,14 @@ TEST(RegisterDeformed, KnowsWhereNothingShowsMotionsAlongTheSurface) {
     moved.vertices = ((rest.vertices.colwise() - centre) * growth).colwise() + centre;
     RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
     test::add_noise(map, noise, 3);
-    return median_along(register_deformed(DeformationGraph(rest, {.nodes = 250}), map));
+    return median_along(
+        register_deformed(DeformationGraph(rest, {.nodes = 250}), map, {.stiffness = 0.01}));
   };
   for (const double noise : {0.0, 0.3}) {
     EXPECT_LT(along(plate, 1.02, noise), 0.1) << noise;
     EXPECT_LT(along(ellipsoid({90, 90, 90}), 1.05, noise), 0.1) << noise;
     EXPECT_LT(along(ellipsoid({90, 70, 60}), 1.05, noise), 0.2) << noise;
-    EXPECT_GT(along(rest_mesh(), 1.02, noise), 0.3) << noise;
+    EXPECT_GT(along(rest_mesh(), 1.02, noise), 0.5) << noise;
   }
 }
 
