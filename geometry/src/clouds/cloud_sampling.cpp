@@ -33,7 +33,7 @@ constexpr double kOrderSteps = 1024;
 constexpr double kOrderStart = 0.38196601125;
 
 /// The known points in the order of a hash of their offsets from `origin` in units of the least
-/// distance, which are the same in any unit of length and, but for rounding, at any place.
+/// distance. These do not depend on the unit of length nor, apart from rounding, on the position.
 std::vector<int> shuffled(const PointsRef& points, const std::vector<int>& known,
                           const Eigen::Vector3d& origin, double min_distance) {
   struct Entry {

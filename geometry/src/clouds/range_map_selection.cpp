@@ -64,7 +64,7 @@ long leave_out(ImageF& z, const IsOut& is_out) {
   return count;
 }
 
-/// Every so many of the known points, at most `most`.
+/// At most `most` of the known points, at equal steps.
 Eigen::Matrix3Xd some_points(const ImageF& z, const Eigen::Matrix3Xd& points, Eigen::Index most) {
   const Eigen::Index known = (z == z).count();
   const Eigen::Index step = known / most + 1;
