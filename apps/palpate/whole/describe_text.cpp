@@ -162,11 +162,9 @@ Description describe_yaml(const fs::path& path) {
   throw FileError(
       path.string() +
       ": neither a rig (projector_matrix), nor a camera (of Palpate, OpenCV, ROS, RealSense or "
-      "Open3D), nor a pattern "
-      "(period_px), nor trained colours "
-      "(variance), nor a response (gamma_deviation), nor a virtual sensor "
-      "(read_noise), nor a project "
-      "(sections such as decode, fit).");
+      "Open3D), nor a pattern (period_px), nor trained colours (variance), nor a response "
+      "(gamma_deviation), nor a virtual sensor (read_noise), nor a project (sections such as "
+      "decode, fit).");
 }
 
 Description describe_csv(const fs::path& path) {
