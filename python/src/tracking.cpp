@@ -41,12 +41,20 @@ void add_tracked_surface(py::module_& module) {
           "[mm] (V,) signed distances from the measured surface, positive on the camera's side; "
           "NaN where nothing was measured.")
       .def_property_readonly(
-          "confidence",
+          "sigma_across",
           [](const py::object& self) {
-            return vector_view(self.cast<TrackedSurface&>().confidence, self);
+            return vector_view(self.cast<TrackedSurface&>().surface.sigma_across, self);
           },
-          "(V,) in [0, 1]: how far the range map determines where a vertex is, across the surface "
-          "and along it.")
+          "[mm] (V,) standard deviations of the errors along the normal; NaN in pieces of surface "
+          "of "
+          "which nothing is measured.")
+      .def_property_readonly(
+          "sigma_along",
+          [](const py::object& self) {
+            return vector_view(self.cast<TrackedSurface&>().surface.sigma_along, self);
+          },
+          "[mm] (V,) the same along the surface; large where neither relief nor texture shows this "
+          "motion.")
       .def_property_readonly("rms", figure(&TrackingFigures::rms),
                              "[mm] root mean square of the distances.")
       .def_property_readonly("measured", figure(&TrackingFigures::measured),

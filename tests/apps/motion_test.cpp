@@ -42,7 +42,7 @@ class Motion : public ::testing::Test {
       }
       geometry::set_attribute(
           file.vertex_attributes,
-          {.name = "confidence",
+          {.name = "sigma_along",
            .values = std::vector<float>(static_cast<std::size_t>(sheet.vertices.cols()), 0.5F),
            .list_sizes = {}});
       geometry::write_mesh_file(scratch / ("meshes/frame_000" + std::to_string(frame) + ".ply"),
@@ -90,7 +90,7 @@ TEST_F(Motion, GivesEachVertexItsDisplacementVelocityAndStretch) {
     EXPECT_NEAR(values("stretch_smallest")[v], 1, 1e-5);
     EXPECT_NEAR(std::abs(values("stretch_x")[v]), 1, 1e-5);
     EXPECT_NEAR(values("area_ratio")[v], 1 + 3 * kGrowth, 1e-5);
-    EXPECT_EQ(values("confidence")[v], 0.5);
+    EXPECT_EQ(values("sigma_along")[v], 0.5);
   }
 }
 

@@ -162,7 +162,8 @@ void write(const TrackCall& call, const fs::path& range_map, const geometry::Att
                              .list_sizes = {}});
   };
   add("distance", found.surface.distance);
-  add("confidence", found.confidence);
+  add("sigma_across", found.surface.sigma_across);
+  add("sigma_along", found.surface.sigma_along);
   if (call.pictures) draw(call, range_map, triangles, found);
   write_node_motions(nodes_file(call, range_map), graph, found.surface.node_motions);
   geometry::write_mesh_file(mesh_file(call, range_map), mesh);
@@ -278,16 +279,18 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
 }
 
 /// Warns if the range maps hardly show how the surface moves along itself.
-void doubt_motion_along(double confidence, bool has_images) {
-  constexpr double kSure = 0.3;  // smooth surfaces have less than 0.2, clear relief 0.3 and more
-  if (confidence >= kSure) return;
+/// \param sigma [mm] median along the surface
+/// \param rms [mm] median of the distances from the range maps
+void doubt_motion_along(double sigma, double rms, bool has_images) {
+  // Relative to the distances. Smooth surfaces have 12 and more, clear relief 1 to 3, texture 0.2.
+  constexpr double kVague = 5;
+  if (!(sigma > kVague * rms)) return;
   spdlog::warn(
       "the surface follows the range maps, but they hardly show how it moves along itself "
-      "(confidence {:.2f} in the median): there is too little relief or texture, or too much "
-      "noise. Vertices move along it with the least distortion, and need not stay at the same "
+      "(standard deviation {:.2g} mm in the median): there is too little relief or texture, or too "
+      "much noise. Vertices move along it with the least distortion, and need not stay at the same "
       "point of the object{}",
-      confidence,
-      has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
+      sigma, has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
 }
 
 void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
@@ -295,7 +298,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
   nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
   nlohmann::ordered_json lost = nlohmann::ordered_json::array();
   std::string prose, lost_names;
-  std::vector<double> rms, confidence;
+  std::vector<double> rms, across, along;
   for (std::size_t i = 0; i < tracking.frames.size(); ++i) {
     const TrackedFrame& frame = tracking.frames[i];
     nlohmann::ordered_json entry = to_json(frame);
@@ -305,7 +308,11 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
       entry["file"] = file;
       const geometry::TrackingFigures& figures = frame.figures;
       rms.push_back(figures.rms);
-      confidence.push_back(figures.confidence);
+      // A range map says nothing new of the surface that is made from it.
+      if (i > 0 || !call.reference.empty()) {
+        across.push_back(figures.sigma_across);
+        along.push_back(figures.sigma_along);
+      }
       prose += fmt::format(
           "{} -> {}: RMS {:.3f} mm, 95 % within {:.3f} mm, largest {:.3f} mm; {:.1f} % of the "
           "vertices measured{}{}\n",
@@ -320,8 +327,9 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
     per_frame.push_back(std::move(entry));
   }
   const geometry::ErrorStatistics of_rms = geometry::error_statistics(rms);
-  const double sure = geometry::error_statistics(confidence).median;
-  doubt_motion_along(sure, !call.color_images.empty());
+  const double sigma_across = geometry::error_statistics(across).median;
+  const double sigma_along = geometry::error_statistics(along).median;
+  doubt_motion_along(sigma_along, of_rms.median, !call.color_images.empty());
   const double done = static_cast<double>(tracking.frames.size() - tracking.kept);
   print(settings,
         {{"range_maps", tracking.frames.size()},
@@ -332,15 +340,17 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
          {"triangles", mesh.triangles.cols()},
          {"median_rms", of_rms.median},
          {"largest_rms", of_rms.max},
-         {"median_confidence", sure},
+         {"median_sigma_across", sigma_across},
+         {"median_sigma_along", sigma_along},
          {"seconds_per_frame", tracking.seconds / done},
          {"per_frame", per_frame}},
         prose + fmt::format("{} of {} range maps became meshes of {} vertices and {} triangles in "
-                            "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm; "
-                            "confidence {:.2f}.",
+                            "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm; standard "
+                            "deviation of the vertices {:.2g} mm across the surface, {:.2g} mm "
+                            "along it.",
                             rms.size(), tracking.frames.size(), mesh.vertices.cols(),
                             mesh.triangles.cols(), call.output.string(), of_rms.median, of_rms.max,
-                            sure));
+                            sigma_across, sigma_along));
   if (!lost.empty()) {
     throw Error(fmt::format("{} of {} frames were lost ({}); the others have their meshes.",
                             lost.size(), tracking.frames.size(), lost_names));
@@ -432,8 +442,8 @@ void add_track(CLI::App& app, const Settings& settings) {
       "plane, a sphere or another smooth shape, range maps do not show it, and vertices\nmove with "
       "the least distortion.\n"
       ".ply files also contain the distance of each vertex from the range map (NaN where nothing "
-      "was measured) and a\nconfidence from 0 to 1: how far the range map determines where the "
-      "vertex is, across the surface and along it.\n"
+      "was measured), and the\nstandard deviation of its position in mm, across the surface "
+      "(sigma_across) and along it (sigma_along).\n"
       "A frame that is broken or lost gets no mesh, the next one starts from the last frame that "
       "was "
       "tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, nodes/ "

@@ -39,7 +39,8 @@ TrackedFrame tracked_frame(const Json& json) {
                    .measured = json.at("measured"),
                    .visible = json.at("visible"),
                    .stretch = json.at("stretch"),
-                   .confidence = json.at("confidence"),
+                   .sigma_across = json.at("sigma_across"),
+                   .sigma_along = json.at("sigma_along"),
                    .iterations = json.at("iterations"),
                    .settled = json.at("settled")};
   return frame;
@@ -107,7 +108,8 @@ Json to_json(const TrackedFrame& frame) {
   json["measured"] = figures.measured;
   json["visible"] = figures.visible;
   json["stretch"] = figures.stretch;
-  json["confidence"] = figures.confidence;
+  json["sigma_across"] = figures.sigma_across;
+  json["sigma_along"] = figures.sigma_along;
   json["iterations"] = figures.iterations;
   json["settled"] = figures.settled;
   return json;

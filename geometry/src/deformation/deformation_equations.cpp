@@ -89,6 +89,19 @@ DeformationEquations::DeformationEquations(const DeformationGraph& graph, std::v
   solver_.analyzePattern(matrix_);
 }
 
+/// Of the distance of a vertex along a normal, with respect to the unknowns of one of its nodes.
+DeformationEquations::Vector6d DeformationEquations::derivative(
+    int vertex, int influence, const Eigen::Vector3d& normal,
+    const std::vector<Eigen::Isometry3d>& motions) const {
+  const int node = graph_.influences()(influence, vertex);
+  // Noise of a vertex is also in its distance. In both, it would turn the surroundings.
+  const Eigen::Vector3d arm = motions[static_cast<std::size_t>(node)].linear() *
+                              (graph_.smooth_vertices().col(vertex) - graph_.nodes().col(node));
+  Vector6d row;
+  row << arm.cross(normal) / graph_.spacing(), normal;
+  return graph_.weights()(influence, vertex) * row;
+}
+
 DeformationEquations::Sums DeformationEquations::sum_of_planes(
     std::span<const PlanePair> pairs, const std::vector<Eigen::Isometry3d>& motions) const {
   const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
@@ -106,13 +119,7 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
       // Derivative of the distance with respect to the unknowns of each node.
       std::array<Vector6d, DeformationGraph::kInfluences> row;
       for (int k = 0; k < DeformationGraph::kInfluences; ++k) {
-        const int node = graph_.influences()(k, v);
-        const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(node)];
-        // Noise of a vertex is also in its distance. In both, it would turn the surroundings.
-        const Eigen::Vector3d arm =
-            motion.linear() * (graph_.smooth_vertices().col(v) - graph_.nodes().col(node));
-        row[static_cast<std::size_t>(k)] << arm.cross(pair.normal) / graph_.spacing(), pair.normal;
-        row[static_cast<std::size_t>(k)] *= graph_.weights()(k, v);
+        row[static_cast<std::size_t>(k)] = derivative(v, k, pair.normal, motions);
       }
       const int* block = &pair_blocks_[s * kPairs];
       for (int i = 0; i < DeformationGraph::kInfluences; ++i) {
@@ -211,13 +218,13 @@ void DeformationEquations::add_anchors(double weight, const Eigen::Matrix3Xd& an
 }
 
 /// The columns of a node hold its diagonal block and those of its edges to higher nodes, ascending.
-void DeformationEquations::fill_matrix(const Sums& sums) {
+void DeformationEquations::fill_matrix(const Sums& sums, double damping) {
   const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
   double* value = matrix_.valuePtr();
   for (std::size_t a = 0; a < nodes; ++a) {
     for (int c = 0; c < kUnknowns; ++c) {
       for (int r = c; r < kUnknowns; ++r) {
-        *value++ = sums.blocks[a](r, c) + (r == c ? kDamping : 0);
+        *value++ = sums.blocks[a](r, c) + (r == c ? damping : 0);
       }
       for (int e = first_edge_[a]; e < first_edge_[a + 1]; ++e) {
         const Matrix6d& block = sums.blocks[nodes + static_cast<std::size_t>(e)];
@@ -235,6 +242,14 @@ double DeformationEquations::scale_of(const std::vector<Eigen::Isometry3d>& moti
                     kMostScale);
 }
 
+/// The second derivative with respect to the scale if the nodes follow it: at least what holds it.
+/// A strongly bent surface that nothing attracts has less.
+double DeformationEquations::left_of_scale(const Sums& sums,
+                                           const Eigen::VectorXd& moves_per_scale) const {
+  const double held = kScale * sums.of_scale_twice;
+  return std::max(held + sums.of_scale_twice - sums.of_scale_and_nodes.dot(moves_per_scale), held);
+}
+
 double DeformationEquations::step(std::span<const PlanePair> pairs, double stiffness,
                                   const Eigen::Matrix3Xd& anchors, double hold, bool scale_is_free,
                                   double& scale, std::vector<Eigen::Isometry3d>& motions) {
@@ -243,17 +258,13 @@ double DeformationEquations::step(std::span<const PlanePair> pairs, double stiff
   add_stiffness(stiffness, links, motions, sums);
   add_anchors(kAnchor * stiffness, anchors, motions, sums);
   if (hold > 0) add_anchors(hold, graph_.nodes(), motions, sums);
-  fill_matrix(sums);
+  fill_matrix(sums, kDamping);
   solver_.factorize(matrix_);
   Eigen::VectorXd moves = solver_.solve(-sums.gradient);
   if (scale_is_free) {
     add_stretch(stiffness, scale, links, motions, sums);
     const Eigen::VectorXd per_scale = solver_.solve(sums.of_scale_and_nodes);
-    // What is left if the nodes follow the scale: at least what holds it. A strongly bent surface
-    // that nothing attracts has less.
-    const double held = kScale * sums.of_scale_twice;
-    const double left =
-        std::max(held + sums.of_scale_twice - sums.of_scale_and_nodes.dot(per_scale), held);
+    const double left = left_of_scale(sums, per_scale);
     if (left > 0) {
       const double change = -(sums.of_scale + sums.of_scale_and_nodes.dot(moves)) / left;
       const double changed = std::clamp(scale + change, 1 / kMostScale, kMostScale);
@@ -282,6 +293,88 @@ double DeformationEquations::step(std::span<const PlanePair> pairs, double stiff
     sum_of_squares += shift.squaredNorm() + std::pow(angle * graph_.spacing(), 2);
   }
   return std::sqrt(sum_of_squares / static_cast<double>(graph_.nodes().cols()));
+}
+
+void DeformationEquations::linearize(std::span<const PlanePair> pairs, double stiffness,
+                                     double damping, bool scale_is_free, double scale,
+                                     const std::vector<Eigen::Isometry3d>& motions) {
+  Sums sums = sum_of_planes(pairs, motions);
+  const Eigen::Matrix3Xd links = rest_links(graph_, motions, scale);
+  add_stiffness(stiffness, links, motions, sums);
+  fill_matrix(sums, damping);
+  solver_.factorize(matrix_);
+  at_ = {.motions = motions,
+         .arms = Eigen::Matrix3Xd(3, links.cols()),
+         .stiffness = stiffness,
+         .damping = damping,
+         .scale = scale,
+         .of_scale_and_nodes = {},
+         .moves_per_scale = {}};
+  for (Eigen::Index e = 0; e < links.cols(); ++e) {
+    at_.arms.col(e) = (motions[static_cast<std::size_t>(graph_.edges()(0, e))].linear() +
+                       motions[static_cast<std::size_t>(graph_.edges()(1, e))].linear()) *
+                      links.col(e) / 2;
+  }
+  if (!scale_is_free) return;
+  add_stretch(stiffness, scale, links, motions, sums);
+  at_.moves_per_scale = solver_.solve(sums.of_scale_and_nodes);
+  at_.scale_held = kScale * sums.of_scale_twice;
+  at_.scale_left = left_of_scale(sums, at_.moves_per_scale);
+  at_.of_scale_and_nodes = std::move(sums.of_scale_and_nodes);
+}
+
+/// \param force on the nodes
+/// \param of_scale derivative of half the energy with respect to the scale
+DeformationEquations::Response DeformationEquations::solved(const Eigen::VectorXd& force,
+                                                            double of_scale) const {
+  Response response{solver_.solve(force), 0};
+  if (at_.scale_left > 0) {
+    response.scale = -(of_scale + at_.of_scale_and_nodes.dot(response.moves)) / at_.scale_left;
+    response.moves -= response.scale * at_.moves_per_scale;
+  }
+  return response;
+}
+
+DeformationEquations::Response DeformationEquations::response_to_distances(
+    std::span<const PlanePair> pairs, std::span<const double> errors) const {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(matrix_.rows());
+  for (std::size_t s = 0; s < errors.size(); ++s) {
+    const PlanePair& pair = pairs[s];
+    if (!(pair.weight > 0)) continue;
+    for (int k = 0; k < DeformationGraph::kInfluences; ++k) {
+      const int node = graph_.influences()(k, samples_[s]);
+      force.segment<kUnknowns>(kUnknowns * node) -=
+          scale_ * pair.weight * errors[s] * derivative(samples_[s], k, pair.normal, at_.motions);
+    }
+  }
+  return solved(force, 0);
+}
+
+DeformationEquations::Response DeformationEquations::response_to_links(
+    const Eigen::VectorXd& stretch) const {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(matrix_.rows());
+  double of_scale = 0;
+  for (Eigen::Index e = 0; e < stretch.size(); ++e) {
+    // Each link has a term at both of its ends, see `add_stretch`.
+    const Eigen::Vector3d pull = 2 * at_.stiffness * stretch[e] * at_.arms.col(e);
+    force.segment<3>(kUnknowns * graph_.edges()(0, e) + 3) -= pull;
+    force.segment<3>(kUnknowns * graph_.edges()(1, e) + 3) += pull;
+    of_scale += pull.dot(at_.arms.col(e)) / at_.scale;
+  }
+  return solved(force, of_scale);
+}
+
+DeformationEquations::Response DeformationEquations::response_to_moves(
+    const Eigen::VectorXd& moves) const {
+  return solved(at_.damping * moves, 0);
+}
+
+DeformationEquations::Response DeformationEquations::response_to_scale() const {
+  const Eigen::VectorXd no_force = Eigen::VectorXd::Zero(matrix_.rows());
+  if (!(at_.scale_left > at_.scale_held)) return {no_force, 0};
+  // The scale that was found is drawn, too: by scale_held / scale_left of its distance from 1.
+  const double undrawn = (at_.scale - 1) / (1 - at_.scale_held / at_.scale_left);
+  return solved(no_force, -at_.scale_held * undrawn);
 }
 
 }  // namespace palpate::geometry

@@ -43,6 +43,33 @@ class DeformationEquations {
               double hold, bool scale_is_free, double& scale,
               std::vector<Eigen::Isometry3d>& motions);
 
+  /// How a change of what the equations are made from changes their solution.
+  struct Response {
+    Eigen::VectorXd moves;  ///< 6N [mm]: rotation of each node times the spacing, translation
+    double scale = 0;       ///< change of the scale
+  };
+
+  /// Prepares the responses at a solution, of which anchors and `hold` are no part.
+  /// \param damping of all moves, relative to the weight of the data; > 0
+  void linearize(std::span<const PlanePair> pairs, double stiffness, double damping,
+                 bool scale_is_free, double scale, const std::vector<Eigen::Isometry3d>& motions);
+
+  /// To errors of the distances of the first pairs, [mm].
+  [[nodiscard]] Response response_to_distances(std::span<const PlanePair> pairs,
+                                               std::span<const double> errors) const;
+
+  /// To links that are longer at rest, by E fractions of their length.
+  [[nodiscard]] Response response_to_links(const Eigen::VectorXd& stretch) const;
+
+  /// To moves from where the damping holds the nodes.
+  [[nodiscard]] Response response_to_moves(const Eigen::VectorXd& moves) const;
+
+  /// To a scale that is not drawn to 1, as kScale does.
+  [[nodiscard]] Response response_to_scale() const;
+
+  /// The links at rest as they lie in the deformed surface, 3 x E [mm].
+  [[nodiscard]] const Eigen::Matrix3Xd& arms() const { return at_.arms; }
+
  private:
   using Vector6d = Eigen::Vector<double, 6>;
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -65,7 +92,26 @@ class DeformationEquations {
                      const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
   void add_anchors(double weight, const Eigen::Matrix3Xd& anchors,
                    const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
-  void fill_matrix(const Sums& sums);
+  void fill_matrix(const Sums& sums, double damping);
+
+  /// What `linearize` prepares.
+  struct Linearization {
+    std::vector<Eigen::Isometry3d> motions;
+    Eigen::Matrix3Xd arms;
+    double stiffness = 0;
+    double damping = 0;
+    double scale = 1;
+    double scale_held = 0;  ///< second derivative of what draws the scale to 1
+    double scale_left = 0;  ///< second derivative by the scale if the nodes follow; 0: not free
+    Eigen::VectorXd of_scale_and_nodes;
+    Eigen::VectorXd moves_per_scale;
+  };
+
+  [[nodiscard]] Vector6d derivative(int vertex, int influence, const Eigen::Vector3d& normal,
+                                    const std::vector<Eigen::Isometry3d>& motions) const;
+  [[nodiscard]] double left_of_scale(const Sums& sums,
+                                     const Eigen::VectorXd& moves_per_scale) const;
+  [[nodiscard]] Response solved(const Eigen::VectorXd& force, double of_scale) const;
 
   const DeformationGraph& graph_;
   std::vector<int> samples_;
@@ -74,6 +120,7 @@ class DeformationEquations {
   std::vector<int> first_edge_;         ///< N + 1, start of each node's edges to higher nodes
   Eigen::SparseMatrix<double> matrix_;  ///< lower triangle
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  Linearization at_;
 };
 
 }  // namespace palpate::geometry

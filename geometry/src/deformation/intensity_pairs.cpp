@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "base/numbers.h"
+#include "deformation/measured_surface.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/geometry/median.h"
@@ -29,9 +30,6 @@ constexpr double kBlurEnd = 3;
 
 /// The gain around a node differs from that of the whole surface by at most this factor.
 constexpr double kMostGain = 2;
-
-/// Least deviation of depths [px], so that the texture also counts beside depths without noise.
-constexpr double kLeastDepthNoise = 0.05;
 
 /// Half a step [px] of the derivative of the lens distortion.
 constexpr double kLensStep = 0.5;

@@ -9,6 +9,9 @@
 
 namespace palpate::geometry {
 
+/// Least deviation of depths [px], for depths without noise: pixels sample the surface.
+inline constexpr double kLeastDepthNoise = 0.05;
+
 /// The tangent plane at a pixel.
 struct MeasuredPlane {
   Eigen::Vector3d point;  ///< [mm] measured, camera frame; NaN without a depth

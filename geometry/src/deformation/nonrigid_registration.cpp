@@ -8,12 +8,13 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "base/numbers.h"
 #include "deformation/deformation_equations.h"
 #include "deformation/intensity_pairs.h"
 #include "deformation/measured_surface.h"
-#include "deformation/slippage.h"
+#include "deformation/vertex_deviations.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
@@ -210,6 +211,7 @@ class Fit {
         options_(options),
         steps_(options.progress, options.max_iterations + 1),
         diagonal_(bounding_diagonal(graph.mesh())),
+        pixel_width_(1 / map.camera.fx),
         surface_(map),
         known_(known),
         samples_(choose_samples(graph)),
@@ -224,7 +226,7 @@ class Fit {
     if (is_tracked && may_grow()) scale_ = equations_.scale_of(result_.node_motions);
     iterate(is_tracked);
     look_at_all_vertices();
-    result_.along = determined_along(graph_, places_of_nodes(), seen_samples(), options_.stiffness);
+    state_deviations();
     steps_.end();
     return std::move(result_);
   }
@@ -328,24 +330,22 @@ class Fit {
     }
   }
 
-  /// The samples as they lie now.
-  [[nodiscard]] std::vector<SeenSample> seen_samples() const {
-    const Gate last = gate(kLevels - 1);
-    std::vector<SeenSample> samples(samples_.size());
-    std::vector<IntensitySample> places(samples_.size());
-    parallel_for(samples.size(), [&](std::size_t s) {
-      const int vertex = samples_[s];
-      const PlacedVertex placed = place(graph_, result_.node_motions, vertex);
-      const Association found = associate(surface_, placed.position, placed.normal, last);
-      samples[s] = {vertex, placed.position, placed.normal, found.pair, {}};
-      if (found.plane.at_border) samples[s].pair.weight = 0;
-      places[s] = {vertex, placed.position, found.pair.distance, samples[s].pair.weight > 0};
-    });
-    if (images_) {
-      const std::vector<PlanePair> pairs = attract_intensities(kLevels - 1, places);
-      for (std::size_t s = 0; s < samples.size(); ++s) samples[s].intensity = pairs[s];
-    }
-    return samples;
+  void state_deviations() {
+    FittedGraph fitted{
+        .motions = result_.node_motions,
+        .scale = scale_,
+        .scale_is_free = may_grow(),
+        .stiffness = options_.stiffness,
+        .least_noise = kLeastDepthNoise * pixel_width_ * places_of_nodes().colwise().norm().mean(),
+        .reach = options_.max_correspondence * diagonal_,
+        .pairs = std::vector<PlanePair>(equations_.samples().size()),
+        .planes = samples_.size(),
+        .measured = samples_.size() * (images_ ? 2 : 1)};
+    std::vector<int> pixels(samples_.size(), -1);
+    draw(kLevels - 1, pixels, fitted.pairs);
+    VertexDeviations deviations = vertex_deviations(graph_, equations_, fitted);
+    result_.sigma_across = std::move(deviations.across);
+    result_.sigma_along = std::move(deviations.along);
   }
 
   void look_at_all_vertices() {
@@ -353,7 +353,6 @@ class Fit {
     result_.vertices.resize(3, count);
     result_.measured.setConstant(3, count, kNan);
     result_.distance.setConstant(count, kNan);
-    result_.confidence.setZero(count);
     result_.sight.resize(static_cast<std::size_t>(count));
     result_.pixel.resize(static_cast<std::size_t>(count));
     const Gate last = gate(kLevels - 1);
@@ -364,7 +363,6 @@ class Fit {
       result_.sight[static_cast<std::size_t>(v)] = found.sight;
       result_.pixel[static_cast<std::size_t>(v)] = found.pixel;
       if (found.sight != VertexSight::seen) return;
-      result_.confidence[v] = found.pair.weight;
       result_.distance[v] = found.pair.distance;
       // Move along the ray until the point is on the plane.
       const double per_depth = found.plane.normal.dot(placed.position);
@@ -386,7 +384,8 @@ class Fit {
   const DeformationGraph& graph_;
   const NonRigidOptions& options_;
   WorkSteps steps_;
-  double diagonal_;  ///< [mm]
+  double diagonal_;     ///< [mm]
+  double pixel_width_;  ///< relative to the depth
   MeasuredSurface surface_;
   std::span<const KnownVertex> known_;
   std::vector<int> samples_;

@@ -46,18 +46,17 @@ double median_stretch(const Eigen::Matrix3Xi& triangles, const Eigen::Matrix3Xd&
   return stretch.empty() ? 0 : error_statistics(std::move(stretch)).median;
 }
 
-/// The median where the surface is measured; 0 if it is nowhere.
+/// The median where the surface is measured; NaN if it is nowhere.
 double median_where_seen(const Eigen::VectorXd& values, const std::vector<VertexSight>& sight) {
   std::vector<double> seen;
   for (std::size_t v = 0; v < sight.size(); ++v) {
     if (sight[v] == VertexSight::seen) seen.push_back(values[static_cast<Eigen::Index>(v)]);
   }
-  return seen.empty() ? 0 : error_statistics(std::move(seen)).median;
+  return error_statistics(std::move(seen)).median;
 }
 
-TrackingFigures figures_of(const TrackedSurface& found, const Eigen::Matrix3Xi& triangles,
+TrackingFigures figures_of(const DeformedSurface& surface, const Eigen::Matrix3Xi& triangles,
                            const Eigen::Matrix3Xd& before) {
-  const DeformedSurface& surface = found.surface;
   const ErrorStatistics error =
       error_statistics({surface.distance.begin(), surface.distance.end()});
   return {.rms = error.rms,
@@ -66,7 +65,8 @@ TrackingFigures figures_of(const TrackedSurface& found, const Eigen::Matrix3Xi& 
           .measured = static_cast<double>(error.count) / static_cast<double>(surface.sight.size()),
           .visible = visible_fraction(surface),
           .stretch = median_stretch(triangles, before, surface),
-          .confidence = median_where_seen(found.confidence, surface.sight),
+          .sigma_across = median_where_seen(surface.sigma_across, surface.sight),
+          .sigma_along = median_where_seen(surface.sigma_along, surface.sight),
           .iterations = surface.iterations,
           .settled = surface.stop == NonRigidStop::converged};
 }
@@ -157,12 +157,10 @@ TrackedSurface SurfaceTracker::track(const RangeMap& map, std::span<const KnownV
           graph_, map, registration_options(options_),
           options_.from_reference ? std::span<const Eigen::Isometry3d>() : motions_, known,
           has_texture ? SeenIntensities{image, intensities_} : SeenIntensities()),
-      .confidence = {},
       .figures = {},
       .lost = {}};
-  found.confidence = found.surface.confidence.cwiseProduct(found.surface.along);
   found.figures =
-      figures_of(found, graph_.mesh().triangles,
+      figures_of(found.surface, graph_.mesh().triangles,
                  has_start() ? deformed_vertices(graph_, motions_) : graph_.mesh().vertices);
   found.lost = loss(found.figures, options_, !has_start());
   if (!found.lost.empty()) return found;

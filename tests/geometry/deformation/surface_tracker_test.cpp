@@ -39,9 +39,8 @@ TEST(SurfaceTracker, FollowsAMotionOverSeveralFrames) {
     EXPECT_TRUE(tracker.has_start());
     EXPECT_LT(found.figures.rms, 0.3);
     EXPECT_LT(found.figures.stretch, 0.005);
-    EXPECT_EQ(found.confidence.size(), found.surface.vertices.cols());
-    EXPECT_GE(found.confidence.minCoeff(), 0);
-    EXPECT_LE(found.confidence.maxCoeff(), 1);
+    EXPECT_GT(found.figures.sigma_along, found.figures.sigma_across);
+    EXPECT_LT(found.figures.sigma_along, 1);  // mm
     const Eigen::Matrix3Xd off = found.surface.vertices - tracked_at(shift).vertices;
     EXPECT_LT(off.colwise().norm().mean(), 1);  // pixels of 3.6 mm
   }

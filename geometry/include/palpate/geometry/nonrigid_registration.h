@@ -86,13 +86,12 @@ struct DeformedSurface {
   /// [mm] V, signed distance from the plane of the measured point, positive on the camera's side of
   /// it; NaN unless seen.
   Eigen::VectorXd distance;
-  /// V, in [0, 1]: near 1 on the measured surface, 0 at the gate of `min_correspondence` or where
-  /// the vertex is not seen and only follows its neighbours.
-  Eigen::VectorXd confidence;
-  /// V, in [0, 1]: how far the map, rather than the stiffness, determines where a vertex lies along
-  /// the surface; 0 on a plane, a sphere or a cylinder, which may slide in themselves, and high
-  /// where there is relief or texture within a few nodes.
-  Eigen::VectorXd along;
+  /// [mm] V, standard deviation of the error along the normal of a vertex; NaN in pieces of surface
+  /// of which nothing is measured, and for vertices without triangles.
+  Eigen::VectorXd sigma_across;
+  /// [mm] V, the same along the surface: the root mean square length of the error in the tangent
+  /// plane. Large where neither relief nor texture shows this motion.
+  Eigen::VectorXd sigma_along;
   double rms = 0;      ///< [mm] root mean square of `distance` where seen; NaN if no vertex is
   double matched = 0;  ///< fraction seen of those before which something was measured
   int iterations = 0;
@@ -122,8 +121,11 @@ struct DeformedSurface {
 /// changes. The image is blurred less from level to level.
 ///
 /// Motion along the surface is visible only in its relief and its texture: on a plane or a sphere
-/// the result is the motion of least distortion, not the true one. `DeformedSurface::along` tells
-/// where.
+/// the result is the motion of least distortion, not the true one. `DeformedSurface::sigma_along`
+/// tells where. The deviations contain the noise of the measurements, which they assume to be
+/// independent from pixel to pixel; the strain that the links between nodes resist; the pull of the
+/// scale towards 1; and a motion of the whole surface by `max_correspondence` where nothing shows
+/// it. They do not contain a wrong correspondence, such as a ridge that is taken for the next one.
 /// \param start node motions of an earlier frame. The surface continues from there without initial
 /// stiffness, and can move by up to max_correspondence (min_correspondence /
 /// max_correspondence)^0.6, a third of `max_correspondence` by default. Without `start` the search

@@ -37,13 +37,14 @@ void visit(TrackingOptions& options, FieldVisitor& visitor);
 
 /// How well a surface lies on a range map.
 struct TrackingFigures {
-  double rms = 0;         ///< [mm] distances of measured vertices from the measured surface
-  double p95 = 0;         ///< [mm]
-  double max = 0;         ///< [mm]
-  double measured = 0;    ///< fraction of all vertices that lie on the measured surface
-  double visible = 0;     ///< the same of those that face the camera
-  double stretch = 0;     ///< median relative change in edge length since the last tracked frame
-  double confidence = 0;  ///< median where the surface is measured
+  double rms = 0;           ///< [mm] distances of measured vertices from the measured surface
+  double p95 = 0;           ///< [mm]
+  double max = 0;           ///< [mm]
+  double measured = 0;      ///< fraction of all vertices that lie on the measured surface
+  double visible = 0;       ///< the same of those that face the camera
+  double stretch = 0;       ///< median relative change in edge length since the last tracked frame
+  double sigma_across = 0;  ///< [mm] median where the surface is measured
+  double sigma_along = 0;   ///< [mm] the same
   int iterations = 0;
   bool settled = false;  ///< the nodes moved no more before the iterations ended
 };
@@ -51,9 +52,6 @@ struct TrackingFigures {
 /// A surface in one range map.
 struct TrackedSurface {
   DeformedSurface surface;
-  /// V, in [0, 1]: how far the range map determines where a vertex is, across the surface and along
-  /// it.
-  Eigen::VectorXd confidence;
   TrackingFigures figures;
   std::string lost;  ///< why the surface was not found; empty if it was. Check this first.
 };
