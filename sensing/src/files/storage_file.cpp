@@ -94,6 +94,11 @@ void refuse_repeated_keys(const std::filesystem::path& path, const YAML::Node& m
   }
 }
 
+/// "line 3: " of the place where parsing ended, if it is known.
+std::string line_of(const YAML::Exception& error) {
+  return error.mark.is_null() ? "" : "line " + std::to_string(error.mark.line + 1) + ": ";
+}
+
 /// The first document of a text, a map.
 /// \param kind     what the file is not if this fails.
 /// \param expected what would be right.
@@ -103,10 +108,8 @@ YAML::Node first_document(const std::filesystem::path& path, const std::string& 
   try {
     root = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    const std::string line =
-        error.mark.is_null() ? "" : "line " + std::to_string(error.mark.line + 1) + ": ";
-    throw FileError(path.string() + ": " + line + "not " + kind + " (" + printable(error.msg) +
-                    "); " + expected);
+    throw FileError(path.string() + ": " + line_of(error) + "not " + kind + " (" +
+                    printable(error.msg) + "); " + expected);
   }
   if (!root.IsMap()) throw FileError(path.string() + ": not " + kind + "; " + expected);
   refuse_repeated_keys(path, root);
@@ -123,8 +126,8 @@ YAML::Node parse(const std::filesystem::path& path, const std::string& bytes) {
   try {
     second = second_document(text);
   } catch (const YAML::Exception& error) {
-    throw FileError(path.string() + ": not " + kind + " (" + printable(error.msg) + "); " +
-                    expected);
+    throw FileError(path.string() + ": " + line_of(error) + "not " + kind + " (" +
+                    printable(error.msg) + "); " + expected);
   }
   if (second)
     throw FileError(path.string() + ": line " + std::to_string(*second) +

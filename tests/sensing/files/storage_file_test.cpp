@@ -67,6 +67,14 @@ TEST(StorageFile, RefusesASecondDocumentWithItsLine) {
   }
 }
 
+TEST(StorageFile, NamesTheLineOfAnErrorInASecondDocument) {
+  const ScratchFolder folder;
+  const auto path = written(folder, "file.yaml", "%YAML:1.0\n---\na: 1\n---\nb: 2\nc: [ 1 }\n");
+  const std::string message = message_of<FileError>([&] { const StorageFile file(path); });
+  EXPECT_NE(message.find("file.yaml: line 6: not an OpenCV FileStorage file"), std::string::npos)
+      << message;
+}
+
 // From some of these OpenCV's own parsers do not return, or they read beyond the text.
 TEST(StorageFile, RefusesDamagedTexts) {
   const ScratchFolder folder;
