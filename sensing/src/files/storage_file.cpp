@@ -200,7 +200,8 @@ StorageFile::StorageFile(std::filesystem::path path, std::string bytes, const st
     : path_(std::move(path)) {
   // Open3D indents its JSON with tabs, which YAML does not have.
   std::ranges::replace(bytes, '\t', ' ');
-  root_ = first_document(path_, bytes, "a YAML or JSON file of keys and values", expected);
+  root_ = first_document(path_, with_spaces_after_keys(bytes),
+                         "a YAML or JSON file of keys and values", expected);
 }
 
 void StorageFile::fail(const std::string& key, const std::string& message) const {

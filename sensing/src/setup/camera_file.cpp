@@ -25,6 +25,19 @@ constexpr const char* kExpected =
 
 bool has(const YAML::Node& map, const char* key) { return StorageFile::find(map, key).IsDefined(); }
 
+/// The keys and values of an entry.
+YAML::Node map_at(const StorageFile& file, const char* key) {
+  const YAML::Node map = file.child(file.root(), key);
+  if (!map.IsMap()) file.fail(key, "keys and values are expected");
+  return map;
+}
+
+/// The text of a key; empty if it is missing or has no value.
+std::string optional_text(const StorageFile& file, const char* key) {
+  const YAML::Node node = StorageFile::find(file.root(), key);
+  return node.IsDefined() && !node.IsNull() ? file.text(node, key) : "";
+}
+
 /// The one of two spellings of a key that is there, or the first.
 const char* spelt(const YAML::Node& map, const char* usual, const char* other) {
   return !has(map, usual) && has(map, other) ? other : usual;
@@ -81,6 +94,30 @@ void set_distortion(const StorageFile& file, const std::string& key,
   std::copy_n(values.begin(), std::min(values.size(), known), camera.distortion.begin());
 }
 
+/// Takes the part of the image that a message of ROS tells, in pixels of the whole one.
+void set_region(const StorageFile& file, geometry::Camera& camera) {
+  const YAML::Node roi = map_at(file, "roi");
+  const auto pixels = [&](const char* key) {
+    const std::string place = std::string("roi.") + key;
+    const int value = has(roi, key) ? file.whole_number(roi[key], place) : 0;
+    if (value < 0) file.fail(place, fmt::format("is {} px; it must be >= 0", value));
+    return value;
+  };
+  const int x = pixels("x_offset"), y = pixels("y_offset"), width = pixels("width"),
+            height = pixels("height");
+  if (x == 0 && y == 0 && width == 0 && height == 0) return;  // the whole image
+  if (width == 0 || height == 0 || width > camera.width - x || height > camera.height - y) {
+    file.fail("roi",
+              fmt::format("is {} x {} px from column {} and row {}; it must be a part of the image "
+                          "of {} x {} px, or 0 throughout for the whole image",
+                          width, height, x, y, camera.width, camera.height));
+  }
+  camera.width = width;
+  camera.height = height;
+  camera.cx -= x;
+  camera.cy -= y;
+}
+
 CameraFile read_ros(const StorageFile& file) {
   const YAML::Node& root = file.root();
   const bool is_message = !has(root, "image_width");
@@ -99,27 +136,17 @@ CameraFile read_ros(const StorageFile& file) {
                 "the binned images, with binning 0");
     }
   }
-  if (has(root, "roi")) {
-    for (const char* key : {"x_offset", "y_offset"}) {
-      const YAML::Node offset = StorageFile::find(root["roi"], key);
-      if (offset.IsDefined() && file.whole_number(offset, std::string("roi.") + key) != 0) {
-        file.fail(std::string("roi.") + key,
-                  "a part of the image is not supported; pass a camera_info whose size and cx, cy "
-                  "are those of the part");
-      }
-    }
-  }
+  if (has(root, "roi")) set_region(file, read.camera);
   const std::string coefficients = is_message ? spelt(root, "D", "d") : "distortion_coefficients";
-  const std::string model = has(root, "distortion_model") && !root["distortion_model"].IsNull()
-                                ? root["distortion_model"].Scalar()
-                                : "";
+  const std::string model = optional_text(file, "distortion_model");
   std::vector<double> values;
   if (has(root, coefficients.c_str()))
     values = list_or_data(file, coefficients);
   else if (model != "none" && !(is_message && model.empty()))
     file.fail(coefficients, "is missing; write zeros if there is no lens distortion");
   // OpenCV's calibration program writes 1 for a fisheye lens.
-  const bool is_fisheye = has(root, "fisheye_model") && root["fisheye_model"].Scalar() != "0";
+  const bool is_fisheye =
+      has(root, "fisheye_model") && file.whole_number(root["fisheye_model"], "fisheye_model") != 0;
   if (is_fisheye || model == "equidistant" || model == "fisheye") {
     file.fail(is_fisheye ? "fisheye_model" : "distortion_model",
               (is_fisheye ? root["fisheye_model"].Scalar() : model) +
@@ -141,8 +168,9 @@ CameraFile read_ros(const StorageFile& file) {
   return read;
 }
 
-/// \param map the file, or its `intrinsic`.
-CameraFile read_open3d(const StorageFile& file, const YAML::Node& map) {
+CameraFile read_open3d(const StorageFile& file) {
+  const YAML::Node map =
+      has(file.root(), "intrinsic_matrix") ? file.root() : map_at(file, "intrinsic");
   CameraFile read{.camera = {}, .format = CameraFileFormat::open3d};
   read_size(file, map, "width", "height", read.camera);
   const std::string key = "intrinsic_matrix";
@@ -171,7 +199,9 @@ constexpr std::array<const char*, 6> kRealSenseModels = {
 
 /// The model by its number or name: "distortion.brown_conrady" in Python, "Brown Conrady" in C++.
 RealSenseModel read_model(const StorageFile& file, const std::string& key) {
-  const std::string text = file.child(file.root(), key).Scalar();
+  const YAML::Node node = file.child(file.root(), key);
+  if (!node.IsScalar()) file.fail(key, "the name or the number of a model is expected");
+  const std::string text = node.Scalar();
   std::string letters;
   for (const char c : text) {
     if (std::isalnum(static_cast<unsigned char>(c)) != 0)
@@ -227,26 +257,38 @@ CameraFile read_realsense(const StorageFile& file) {
   return read;
 }
 
-/// Whether a file is a camera or a rig of Palpate.
-bool is_own(const std::string& bytes) {
-  const auto names = [&](const char* key) { return bytes.find(key) != std::string::npos; };
-  return names("camera_size") || names("projector_matrix");
+/// A camera or a rig of Palpate.
+CameraFile read_own(const StorageFile& file) { return {.camera = read_lens(file, "camera")}; }
+
+/// A key that only the files of one program have.
+struct KnownKey {
+  const char* key;
+  CameraFile (*read)(const StorageFile& file);
+};
+constexpr std::array<KnownKey, 8> kKnownKeys{{{"camera_size", read_own},
+                                              {"projector_matrix", read_own},
+                                              {"image_width", read_ros},
+                                              {"K", read_ros},
+                                              {"k", read_ros},
+                                              {"intrinsic_matrix", read_open3d},
+                                              {"intrinsic", read_open3d},
+                                              {"fx", read_realsense}}};
+
+/// The first of these keys that a file has; null if it has none.
+const KnownKey* known_key(const StorageFile& file) {
+  const auto* const known = std::ranges::find_if(
+      kKnownKeys, [&](const KnownKey& format) { return has(file.root(), format.key); });
+  return known == kKnownKeys.end() ? nullptr : known;
 }
 
-/// One of these keys is in the camera file of each other program.
-constexpr std::array kForeignKeys = {"image_width",      "K",         "k",
-                                     "intrinsic_matrix", "intrinsic", "fx"};
-
 CameraFile read_any(const std::filesystem::path& path) {
-  std::string bytes = read_bytes(path);
-  if (is_own(bytes)) return {.camera = read_lens(StorageFile(path, bytes), "camera")};
-  const StorageFile file(path, std::move(bytes), kExpected);
-  const YAML::Node& root = file.root();
-  if (has(root, "image_width") || has(root, "K") || has(root, "k")) return read_ros(file);
-  if (has(root, "intrinsic_matrix")) return read_open3d(file, root);
-  if (has(root, "intrinsic")) return read_open3d(file, root["intrinsic"]);
-  if (has(root, "fx")) return read_realsense(file);
-  file.fail("camera_size", std::string("is missing; ") + kExpected);
+  const std::string bytes = read_bytes(path);
+  const StorageFile file(path, bytes, kExpected);
+  const KnownKey* const known = known_key(file);
+  if (known == nullptr) file.fail("camera_size", std::string("is missing; ") + kExpected);
+  // In our own files, nothing may follow the keys and values.
+  if (known->read == read_own) return read_own(StorageFile(path, bytes));
+  return known->read(file);
 }
 
 }  // namespace
@@ -258,15 +300,9 @@ std::string_view name(CameraFileFormat format) {
 }
 
 bool is_camera_file(const std::filesystem::path& path) {
-  std::string bytes = read_bytes(path);
-  if (is_own(bytes)) return true;
-  try {
-    const StorageFile file(path, std::move(bytes), kExpected);
-    return std::ranges::any_of(kForeignKeys,
-                               [&](const char* key) { return has(file.root(), key); });
-  } catch (const FileError&) {
-    return false;  // neither YAML nor JSON
-  }
+  const StorageFile file(path, read_bytes(path),
+                         "write `key: value` in each line, or a JSON object");
+  return known_key(file) != nullptr;
 }
 
 CameraFile read_camera_file(const std::filesystem::path& path) {

@@ -218,8 +218,76 @@ TEST(CameraFile, RefusesWhatItCannotRepresentInWords) {
   expect_refused(replaced(kRosMessage, "0.0625]", "0.0625, 0.1]"), "D: plumb_bob has the 5");
   expect_refused(replaced(kRosFile, "0.03125]", "0.03125, 0.1, 0, 0, 0]"), "thin-prism");
   expect_refused(replaced(kRosMessage, "binning_x: 0", "binning_x: 2"), "binning_x: binned");
-  expect_refused(replaced(kRosMessage, "y_offset: 0", "y_offset: 12"), "roi.y_offset: a part");
   expect_refused(replaced(kRosMessage, "[421.5, 0.0,", "[421.5, 0.3,"), "a skew");
+}
+
+/// The message of ROS of a camera that sends only a part of its image.
+std::string with_region(int x, int y, int width, int height) {
+  const auto of = [](int value) { return std::to_string(value); };
+  return replaced(kRosMessage, "  x_offset: 0\n  y_offset: 0\n  height: 0\n  width: 0\n",
+                  "  x_offset: " + of(x) + "\n  y_offset: " + of(y) + "\n  height: " + of(height) +
+                      "\n  width: " + of(width) + "\n");
+}
+
+TEST(CameraFile, IsTheCameraOfThePartOfTheImageThatRosTells) {
+  const Camera whole = camera_of(kRosMessage, CameraFileFormat::ros);
+  const Camera part = camera_of(with_region(200, 60, 320, 240), CameraFileFormat::ros);
+  EXPECT_EQ(part.width, 320);
+  EXPECT_EQ(part.height, 240);
+  // The ray of a pixel does not depend on where the image is cut.
+  const Eigen::Vector2d place(17, 211), corner(200, 60);
+  EXPECT_LT((undistort(part, place) - undistort(whole, place + corner)).norm(), 1e-12);
+
+  const Camera upper_left = camera_of(with_region(0, 0, 320, 240), CameraFileFormat::ros);
+  EXPECT_EQ(upper_left.width, 320);
+  EXPECT_EQ(upper_left.height, 240);
+  EXPECT_EQ(upper_left.cx, whole.cx);
+  expect_pinhole(camera_of(with_region(0, 0, 848, 480), CameraFileFormat::ros));
+}
+
+TEST(CameraFile, RefusesAPartThatIsNotInTheImage) {
+  expect_refused(with_region(600, 0, 320, 240), "roi: is 320 x 240 px from column 600 and row 0");
+  expect_refused(with_region(0, 300, 320, 240), "must be a part of the image of 848 x 480 px");
+  expect_refused(with_region(0, 12, 0, 0), "roi: is 0 x 0 px from column 0 and row 12");
+  expect_refused(with_region(-3, 0, 320, 240), "roi.x_offset: is -3 px; it must be >= 0");
+}
+
+TEST(CameraFile, NamesKeysThatHoldAListInPlaceOfOneValue) {
+  expect_refused(kRosFile + "fisheye_model: [0]\n", "fisheye_model: a whole number is expected");
+  expect_refused(replaced(replaced(kRosMessage, "\"plumb_bob\"", "[]"),
+                          "[0.125, -0.25, 0.001, -0.002, 0.0625]", "[0, 0, 0, 0, 0]"),
+                 "distortion_model: a text is expected");
+  expect_refused(replaced(kRealSense, "\"distortion.inverse_brown_conrady\"", "[4]"),
+                 "model: the name or the number of a model is expected");
+  expect_refused(replaced(kRosMessage, "binning_x: 0", "binning_x: [2]"), "binning_x: a whole");
+  expect_refused(replaced(kRosMessage, "x_offset: 0", "x_offset: [8]"), "roi.x_offset: a whole");
+  expect_refused(kRosFile + "roi: [8, 8, 320, 240]\n", "roi: keys and values are expected");
+  expect_refused("{\"intrinsic\": [421.5, 0, 0]}", "intrinsic: keys and values are expected");
+  expect_refused(replaced(kRealSense, "848", "[848]"), "width: a whole number is expected");
+}
+
+TEST(CameraFile, TellsTheFormatByKeysOnly) {
+  expect_pinhole(camera_of("# unlike camera_size of a rig, in two keys\n" + kRosMessage,
+                           CameraFileFormat::ros));
+  expect_pinhole(
+      camera_of(replaced(kRosFile, "narrow", "beside_projector_matrix"), CameraFileFormat::ros));
+  const ScratchFolder folder;
+  const auto is_one = [&](const std::string& text) {
+    return is_camera_file(written(folder, "file.yaml", text));
+  };
+  for (const std::string& text : {kRealSense, kOpen3d, kRosMessage, kRosFile})
+    EXPECT_TRUE(is_one(text)) << text;
+  EXPECT_TRUE(is_one(read_text(demo_path("rig.yaml"))));
+  EXPECT_TRUE(is_one("camera_size: many\n"));
+  EXPECT_FALSE(is_one("f: 1  # no camera_size\n"));
+  EXPECT_FALSE(is_one("camera:\n  fx: 1\n"));
+}
+
+TEST(CameraFile, SaysInWhichLineItIsDamaged) {
+  const ScratchFolder folder;
+  const auto path = written(folder, "file.yaml", "camera_size: [ 4, 3 ]\nfx: [ 1\n");
+  EXPECT_NE(message_of<FileError>([&] { (void)is_camera_file(path); }).find("file.yaml: line "),
+            std::string::npos);
 }
 
 TEST(CameraFile, NamesWhatIsMissingOrWrong) {

@@ -34,7 +34,8 @@ struct CameraFile {
 ///
 /// - `camera_size`: Palpate, see `read_rig`;
 /// - `image_width`, or `K` or `k`: ROS, or OpenCV if there is no `distortion_model`. The matrix K
-///   and the distortion D of the raw image count, not the matrix P of the rectified one;
+///   and the distortion D of the raw image count, not the matrix P of the rectified one. If `roi`
+///   tells a part of the image, the camera is that of the part;
 /// - `intrinsic_matrix`, also in `intrinsic`: Open3D, a list of 9 numbers by columns;
 /// - `fx` and `ppx`: RealSense, with `model` (its name, or its number) and `coeffs`.
 ///
@@ -44,13 +45,12 @@ struct CameraFile {
 /// images, only if a coefficient is not zero.
 /// The coefficients of a distortion may be missing only where ROS names the model none or no model.
 /// \throws FileError naming the file and the key if a value is missing, has the wrong shape or is
-/// not finite, or if the file tells a distortion, a binning or a part of the image (`roi`) that
-/// `Camera` cannot represent.
+/// not finite, or if the file tells a distortion or a binning that `Camera` cannot represent.
 [[nodiscard]] CameraFile read_camera_file(const std::filesystem::path& path);
 
 /// Whether a file has the keys of one of these formats, so that `read_camera_file` reads it or says
 /// what is wrong with it. Rigs count.
-/// \throws FileError if it cannot be read.
+/// \throws FileError naming the line if it cannot be read, or is neither YAML nor JSON.
 [[nodiscard]] bool is_camera_file(const std::filesystem::path& path);
 
 /// The camera of `read_camera_file` alone.
