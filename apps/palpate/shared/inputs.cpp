@@ -198,6 +198,10 @@ std::string left_out_in_words(const geometry::RangeMapSelection& selection,
 
 /// Tells which options have left out nothing, each once.
 void tell_idle_options(const fs::path& path, const geometry::RangeMapSelection& selection,
+  if (selection.without_ray > 0) {
+    words.push_back(
+        fmt::format("{} have no ray by the lens distortion of the camera", selection.without_ray));
+  }
                        const MapCamera& camera) {
   const geometry::RangeMapSelectionOptions& options = camera.selection;
   std::vector<sensing::Doubt> doubts;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
@@ -64,14 +65,21 @@ long leave_out(ImageF& z, const IsOut& is_out) {
   return count;
 }
 
-/// At most `most` of the known points, at equal steps.
+/// At most `most` of the known points: one of each `step` that follow each other, row by row. Its
+/// place among them varies, because equal steps may meet only a few columns of the image. Multiples
+/// of the golden ratio, modulo one, are evenly spread.
 Eigen::Matrix3Xd some_points(const ImageF& z, const Eigen::Matrix3Xd& points, Eigen::Index most) {
   const Eigen::Index known = (z == z).count();
   const Eigen::Index step = known / most + 1;
   Eigen::Matrix3Xd some(3, known / step + 1);
   Eigen::Index seen = 0, taken = 0;
+  const auto next = [&] {
+    const double turns = static_cast<double>(taken) * std::numbers::phi;
+    const double place = (turns - std::floor(turns)) * static_cast<double>(step);
+    return taken * step + static_cast<Eigen::Index>(place);
+  };
   for (Eigen::Index pixel = 0; pixel < z.size(); ++pixel) {
-    if (std::isnan(z.data()[pixel]) || seen++ % step != 0) continue;
+    if (std::isnan(z.data()[pixel]) || seen++ != next()) continue;
     some.col(taken++) = points.col(pixel);
   }
   some.conservativeResize(3, taken);
@@ -168,8 +176,9 @@ RangeMapSelection select_depths(const RangeMap& map, const RangeMapSelectionOpti
   if (mask.size() > 0)
     selection.masked = leave_out(z, [&](auto pixel) { return !mask.data()[pixel]; });
   if (options.remove_plane) {
-    // Pixels that no ray belongs to are in no plane, and have no point for it.
-    leave_out(z, [&](Eigen::Index pixel) { return !points.col(pixel).allFinite(); });
+    // They are in no plane, and have no point for it.
+    selection.without_ray =
+        leave_out(z, [&](Eigen::Index pixel) { return !points.col(pixel).allFinite(); });
     remove_plane(selection, points, *options.remove_plane);
   }
   selection.kept = (z == z).count();

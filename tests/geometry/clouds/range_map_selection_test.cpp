@@ -139,6 +139,34 @@ TEST(RangeMapSelection, FindsThePlaneAmongWhatTheOtherOptionsKeep) {
   EXPECT_LT(select_depths(map, {.remove_plane = 2}).plane->normal.z(), -0.9999);
 }
 
+TEST(RangeMapSelection, FindsThePlaneWhateverFewColumnsShow) {
+  // A wall behind thin bars, at distances that divide the width.
+  constexpr int kWidth = 640, kHeight = 480;
+  for (const int pitch : {4, 8, 10, 16, 20, 32}) {
+    RangeMap map{
+        ImageF::Constant(kHeight, kWidth, 800),
+        {.width = kWidth, .height = kHeight, .fx = 600, .fy = 600, .cx = 319.5, .cy = 239.5}};
+    for (int col = 0; col < kWidth; col += pitch) map.z.col(col).setConstant(500);
+    const RangeMapSelection kept = select_depths(map, {.remove_plane = 2});
+    EXPECT_EQ(kept.kept, kHeight * kWidth / pitch) << pitch;
+    ASSERT_TRUE(kept.plane);
+    EXPECT_NEAR(kept.plane->point.z(), 800, 1e-3) << pitch;
+  }
+}
+
+TEST(RangeMapSelection, CountsThePixelsWithoutARay) {
+  RangeMap map = seen_table({}, 0);
+  map.camera.distortion = {-1.5};  // folds the image, so that nothing is seen at its corners
+  const Eigen::Matrix2Xd rays = pixel_rays(map.camera);
+  long without_ray = 0;
+  for (Eigen::Index pixel = 0; pixel < map.z.size(); ++pixel)
+    without_ray += rays.col(pixel).hasNaN() && !std::isnan(map.z.data()[pixel]) ? 1 : 0;
+  ASSERT_GT(without_ray, 100);
+  const RangeMapSelection kept = select_depths(map, {.remove_plane = 4});
+  EXPECT_EQ(kept.without_ray, without_ray);
+  EXPECT_EQ(kept.kept + kept.on_plane + kept.without_ray, kept.known);
+}
+
 TEST(RangeMapSelection, SaysThatThereIsNoPlane) {
   RangeMap map{ImageF(120, 160), table_camera()};
   std::mt19937 random(3);

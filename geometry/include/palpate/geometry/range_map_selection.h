@@ -41,12 +41,14 @@ inline constexpr double kLeastPlane = 0.1;
 /// The depths that are kept, and how many pixels each option has left out. An option does not count
 /// what one before it has left out: near, far, crop, mask, plane.
 struct RangeMapSelection {
-  ImageF z = {};                     ///< [mm] NaN where unknown or left out
-  long known = 0;                    ///< pixels with a depth before the selection
-  long kept = 0;                     ///< pixels of `z` with a depth
-  long too_near = 0, too_far = 0;    ///< pixels
-  long outside_crop = 0;             ///< pixels
-  long masked = 0;                   ///< pixels
+  ImageF z = {};                   ///< [mm] NaN where unknown or left out
+  long known = 0;                  ///< pixels with a depth before the selection
+  long kept = 0;                   ///< pixels of `z` with a depth
+  long too_near = 0, too_far = 0;  ///< pixels
+  long outside_crop = 0;           ///< pixels
+  long masked = 0;                 ///< pixels
+  /// Pixels that show no direction, by the lens distortion; they are left out with a plane.
+  long without_ray = 0;
   long on_plane = 0;                 ///< pixels on the plane or behind it
   double nearest = 0, farthest = 0;  ///< [mm] of all known depths; NaN if there are none
   /// That was removed, without inliers; its normal points to the camera.
