@@ -27,8 +27,8 @@ geometry::ImageF depths_of(const fs::path& path, const apps::MapCamera& camera) 
 
 RangeSequence::RangeSequence(const fs::path& path, const fs::path& compare,
                              const apps::MapCamera& camera)
-    : maps_(apps::list_range_maps({path})), camera_(camera) {
-  if (!compare.empty()) others_ = apps::list_range_maps({compare});
+    : maps_(apps::list_range_maps({path}, camera)), camera_(camera) {
+  if (!compare.empty()) others_ = apps::list_range_maps({compare}, camera);
   if (others_.size() > 1 && others_.size() != maps_.size()) {
     throw InvalidInput(fmt::format(
         "--compare: {} has {} range maps, {} has {}; it must have as many, or one for all.",

@@ -2,16 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the images of a depth camera to meshes over time, on the bundled sequence, whose truth is
 // known: cameras of other programs, recordings, selected depths, and what is wrong with them.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "palpate/geometry/mesh_io.h"
@@ -99,6 +105,34 @@ TEST_F(DepthCamera, TakesTheCamerasOfOtherPrograms) {
   EXPECT_THAT(refused({"mesh", depth_image("00"), "--camera", scratch / "fish.yaml", "--scale", "1",
                        "-o", scratch / "c.ply"}),
               AllOf(HasSubstr("fish.yaml: distortion_model: equidistant"), HasSubstr("undistort")));
+}
+
+// As in `--camera <(ros2 topic echo --once /camera/depth/camera_info)`.
+TEST_F(DepthCamera, ReadsTheCameraOnceSoThatItMayComeThroughAPipe) {
+  const std::string camera =
+      "{\"width\": 200, \"height\": 150, \"depth_scale\": 1000.0, \"intrinsic_matrix\": "
+      "[260, 0, 0, 0, 260, 0, 99.5, 74.5, 1]}";
+  fs::create_directory(scratch / "depth");
+  for (const std::string number : {"00", "01", "02"})
+    fs::copy(depth_image(number), scratch / ("depth/0000" + number + ".png"));
+  const std::string pipe = scratch / "camera";
+  ASSERT_EQ(mkfifo(pipe.c_str(), S_IRUSR | S_IWUSR), 0);
+  for (const std::vector<std::string>& call : std::vector<std::vector<std::string>>{
+           {"mesh", scratch / "depth", "-o", scratch / "meshes", "--camera", pipe},
+           {"fuse", scratch / "depth", "-o", scratch / "fused.ply", "--camera", pipe}}) {
+    const std::jthread writer([&](const std::stop_token& done) {
+      write_text(pipe, camera);
+      while (!done.stop_requested()) {  // who opens it again finds it empty
+        const int again = open(pipe.c_str(), O_WRONLY | O_NONBLOCK);
+        if (again >= 0) close(again);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+    });
+    const CommandResult result = run_palpate(call);
+    EXPECT_EQ(result.status, kDone) << result.err;
+  }
+  figures(with({"mesh", depth_image("02"), "-o", scratch / "a.ply"}));
+  EXPECT_EQ(read_text(scratch / "meshes/000002.ply"), read_text(scratch / "a.ply"));
 }
 
 TEST_F(DepthCamera, ReadsTheLayoutOfTum) {

@@ -113,7 +113,7 @@ std::vector<fs::path> page_frames(const PageCall& call, PageContent content) {
                        call.input.string() + " is one file.");
   }
   const std::vector<fs::path> files = content == PageContent::range_maps
-                                          ? list_range_maps({call.input})
+                                          ? list_range_maps({call.input}, call.camera)
                                       : folder ? list_meshes(call.input)
                                                : std::vector<fs::path>{call.input};
   return each_nth(files, call.every.value_or(1));

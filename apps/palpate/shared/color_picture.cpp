@@ -9,8 +9,6 @@
 #include <system_error>
 
 #include "palpate/core/error.h"
-#include "palpate/sensing/camera_file.h"
-#include "palpate/sensing/depth_recording.h"
 #include "palpate/sensing/frame.h"
 #include "shared/surface_colors.h"
 
@@ -32,8 +30,9 @@ cv::Mat read_picture(const std::filesystem::path& file, const geometry::Camera& 
 /// The colour image that a recording has for a depth image, if `folder` is the recording or the
 /// folder of its colour images; else empty.
 std::filesystem::path recorded_color(const std::filesystem::path& folder,
-                                     const std::filesystem::path& depth_image) {
-  const std::optional<sensing::RecordedDepth> frame = sensing::find_recorded(depth_image);
+                                     const std::filesystem::path& depth_image,
+                                     sensing::DepthRecordings& recordings) {
+  const std::optional<sensing::RecordedDepth> frame = recordings.find(depth_image);
   if (!frame || frame->color.empty()) return {};
   std::error_code is_missing;
   for (const std::filesystem::path& place : {frame->recording, frame->color.parent_path()})
@@ -44,14 +43,15 @@ std::filesystem::path recorded_color(const std::filesystem::path& folder,
 /// The picture of a range map in a folder.
 /// \throws FileError if there is none.
 std::filesystem::path picture_of(const std::filesystem::path& folder,
-                                 const std::filesystem::path& range_map) {
+                                 const std::filesystem::path& range_map,
+                                 sensing::DepthRecordings& recordings) {
   if (!is_folder(folder)) throw FileError(folder.string() + ": is not a folder");
   const std::string name = range_map.stem().string();
   for (const char* ending : {"_color.png", ".png", ".jpg", ".tiff"}) {
     std::filesystem::path file = folder / (name + ending);
     if (is_there(file) && !std::filesystem::equivalent(file, range_map)) return file;
   }
-  std::filesystem::path file = recorded_color(folder, range_map);
+  std::filesystem::path file = recorded_color(folder, range_map, recordings);
   if (!file.empty()) return file;
   throw FileError(fmt::format("{}: has no picture of {} ({}_color.png, {}.png, {}.jpg or {}.tiff)",
                               folder.string(), range_map.filename().string(), name, name, name,
@@ -70,7 +70,7 @@ geometry::Attributes colors_beside(const std::filesystem::path& range_map,
                     "--surface-color writes beside the range map.");
   }
   const cv::Mat color = sensing::read_frame(file);
-  const geometry::Camera seen_by = sensing::read_camera(rig_of(range_map, camera.rig));
+  const geometry::Camera seen_by = camera.files->cameras.read(rig_of(range_map, camera.rig)).camera;
   if (color.depth() != CV_8U || color.cols != seen_by.width || color.rows != seen_by.height) {
     throw FileError(
         fmt::format("{}: is {} x {} px of {} bit; 8 bit and the size of the range map, "
@@ -83,8 +83,9 @@ geometry::Attributes colors_beside(const std::filesystem::path& range_map,
 
 geometry::Attributes colors_in(const std::filesystem::path& folder,
                                const std::filesystem::path& range_map,
-                               const Eigen::Matrix3Xd& vertices, const geometry::Camera& camera) {
-  const std::filesystem::path file = picture_of(folder, range_map);
+                               const Eigen::Matrix3Xd& vertices, const geometry::Camera& camera,
+                               sensing::DepthRecordings& recordings) {
+  const std::filesystem::path file = picture_of(folder, range_map, recordings);
   const cv::Mat picture = read_picture(file, camera);
   if (picture.depth() != CV_8U) throw FileError(file.string() + ": has 16 bit; 8 are expected");
   return colors_of(vertices, camera, picture);
@@ -92,9 +93,10 @@ geometry::Attributes colors_in(const std::filesystem::path& folder,
 
 geometry::ImageF intensities_in(const std::filesystem::path& folder,
                                 const std::filesystem::path& range_map,
-                                const geometry::Camera& camera) {
+                                const geometry::Camera& camera,
+                                sensing::DepthRecordings& recordings) {
   cv::Mat picture;
-  read_picture(picture_of(folder, range_map), camera).convertTo(picture, CV_32F);
+  read_picture(picture_of(folder, range_map, recordings), camera).convertTo(picture, CV_32F);
   const int channels = picture.channels();
   geometry::ImageF intensities = geometry::ImageF::Zero(picture.rows, picture.cols);
   for (int row = 0; row < picture.rows; ++row) {

@@ -6,6 +6,7 @@
 
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/depth_recording.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -27,12 +28,14 @@ namespace palpate::apps {
 [[nodiscard]] geometry::Attributes colors_in(const std::filesystem::path& folder,
                                              const std::filesystem::path& range_map,
                                              const Eigen::Matrix3Xd& vertices,
-                                             const geometry::Camera& camera);
+                                             const geometry::Camera& camera,
+                                             sensing::DepthRecordings& recordings);
 
 /// Intensities of a range map's pixels, from such a picture: of colours, the mean of the channels.
 /// \throws FileError if there is none, or if it has not the size of the range map.
 [[nodiscard]] geometry::ImageF intensities_in(const std::filesystem::path& folder,
                                               const std::filesystem::path& range_map,
-                                              const geometry::Camera& camera);
+                                              const geometry::Camera& camera,
+                                              sensing::DepthRecordings& recordings);
 
 }  // namespace palpate::apps

@@ -16,9 +16,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
-#include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/depth_image.h"
-#include "palpate/sensing/depth_recording.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/reason.h"
@@ -90,10 +88,10 @@ InvalidInput both_kinds(const fs::path& range_map, const fs::path& depth_image) 
 
 /// Lists the range maps, or the depth images if there are none. Pictures beside range maps are
 /// neither.
-std::vector<fs::path> range_maps_in(const fs::path& folder) {
+std::vector<fs::path> range_maps_in(const fs::path& folder, const MapCamera& camera) {
   if (sensing::is_depth_recording(folder)) {
     std::vector<fs::path> depths;
-    for (const sensing::RecordedDepth& frame : sensing::read_depth_recording(folder))
+    for (const sensing::RecordedDepth& frame : camera.files->recordings.read(folder))
       depths.push_back(frame.depth);
     return depths;
   }
@@ -130,10 +128,10 @@ std::vector<fs::path> range_maps_in(const fs::path& folder) {
 std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& camera) {
   if (camera.scale) return camera.scale;
   if (!camera.rig.empty()) {
-    const std::optional<double> unit = sensing::read_camera_file(camera.rig).mm_per_unit;
+    const std::optional<double> unit = camera.files->cameras.read(camera.rig).mm_per_unit;
     if (unit) return unit;
   }
-  if (!sensing::find_recorded(depth_image)) return std::nullopt;
+  if (!camera.files->recordings.find(depth_image)) return std::nullopt;
   static std::once_flag told;
   std::call_once(told, [&] {
     spdlog::info(
@@ -145,7 +143,8 @@ std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& came
 }
 
 geometry::Camera camera_of(const fs::path& depth_image, const MapCamera& camera) {
-  if (camera.intrinsics.empty()) return sensing::read_camera(rig_of(depth_image, camera.rig));
+  if (camera.intrinsics.empty())
+    return camera.files->cameras.read(rig_of(depth_image, camera.rig)).camera;
   const cv::Mat image = sensing::read_frame(depth_image);
   return {.width = image.cols,
           .height = image.rows,
@@ -158,7 +157,7 @@ geometry::Camera camera_of(const fs::path& depth_image, const MapCamera& camera)
 geometry::RangeMap read_range_map(const fs::path& path, const MapCamera& camera) {
   const fs::path of_map = rig_of(path, camera.rig);
   geometry::RangeMap map{.z = geometry::read_depth_tiff(path),
-                         .camera = sensing::read_camera(of_map)};
+                         .camera = camera.files->cameras.read(of_map).camera};
   if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
     throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
                        std::to_string(map.z.rows()) + " pixels, but the camera of " +
@@ -193,15 +192,15 @@ std::string left_out_in_words(const geometry::RangeMapSelection& selection,
   if (options.remove_plane)
     words.push_back(
         fmt::format("{} are on the plane of --remove-plane or behind it", selection.on_plane));
+  if (selection.without_ray > 0) {
+    words.push_back(
+        fmt::format("{} have no ray by the lens distortion of the camera", selection.without_ray));
+  }
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
 /// Tells which options have left out nothing, each once.
 void tell_idle_options(const fs::path& path, const geometry::RangeMapSelection& selection,
-  if (selection.without_ray > 0) {
-    words.push_back(
-        fmt::format("{} have no ray by the lens distortion of the camera", selection.without_ray));
-  }
                        const MapCamera& camera) {
   const geometry::RangeMapSelectionOptions& options = camera.selection;
   std::vector<sensing::Doubt> doubts;
@@ -268,11 +267,11 @@ std::vector<fs::path> list_meshes(const fs::path& folder) {
   return meshes;
 }
 
-std::vector<fs::path> list_range_maps(const std::vector<fs::path>& paths) {
+std::vector<fs::path> list_range_maps(const std::vector<fs::path>& paths, const MapCamera& camera) {
   std::vector<fs::path> maps;
   for (const fs::path& path : paths) {
     if (is_folder(path)) {
-      const std::vector<fs::path> in_folder = range_maps_in(path);
+      const std::vector<fs::path> in_folder = range_maps_in(path, camera);
       maps.insert(maps.end(), in_folder.begin(), in_folder.end());
     } else if (!is_image(path)) {
       throw InvalidInput(path.string() +

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <regex>
 #include <string>
@@ -12,6 +13,8 @@
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/range_map_selection.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "palpate/sensing/camera_file.h"
+#include "palpate/sensing/depth_recording.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/rig_doubts.h"
 
@@ -27,6 +30,12 @@ namespace palpate::apps {
 [[nodiscard]] std::filesystem::path rig_of(const std::filesystem::path& range_map,
                                            const std::filesystem::path& rig);
 
+/// What range maps need besides themselves, read once for all of them.
+struct MapFiles {
+  sensing::CameraFiles cameras;
+  sensing::DepthRecordings recordings;
+};
+
 /// Camera of range maps (TIFF), and camera and unit of depth images (16-bit PNG) of other cameras.
 struct MapCamera {
   std::filesystem::path rig = {};  ///< rig or camera file; if empty, the rig.yaml beside the map
@@ -38,6 +47,7 @@ struct MapCamera {
   /// Image whose non-zero pixels are kept, or a folder with NAME.png for each range map NAME; may
   /// be empty.
   std::filesystem::path mask = {};
+  std::shared_ptr<MapFiles> files = std::make_shared<MapFiles>();  ///< that copies share
 };
 
 /// Adds the options `--rig` (or `--camera`), `--scale` and `--intrinsics`.
@@ -110,7 +120,7 @@ void check_output_folder(const std::vector<std::filesystem::path>& inputs,
 /// \throws FileError if a folder has none, or a PNG has other pixels than those of a depth image.
 /// \throws InvalidInput if there are both range maps and depth images, or files of another type.
 [[nodiscard]] std::vector<std::filesystem::path> list_range_maps(
-    const std::vector<std::filesystem::path>& paths);
+    const std::vector<std::filesystem::path>& paths, const MapCamera& camera);
 
 /// Descriptions of the reasons in pictures, by their code.
 [[nodiscard]] std::vector<std::string> reason_words();

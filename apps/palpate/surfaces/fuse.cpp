@@ -49,7 +49,7 @@ struct FuseCall {
 std::vector<fs::path> list_scans(const FuseCall& call) {
   const fs::path& first = call.inputs.front();
   if (is_folder(first) || is_range_map(first) || is_image(first)) {
-    std::vector<fs::path> maps = list_range_maps(call.inputs);
+    std::vector<fs::path> maps = list_range_maps(call.inputs, call.camera);
     check_camera_options(maps.front(), call.camera);
     if (call.meshes.unit) {
       throw InvalidInput(first.string() +

@@ -16,7 +16,6 @@
 #include "palpate/core/work_in_order.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/pictures/draw_mesh.h"
-#include "palpate/sensing/camera_file.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
@@ -156,10 +155,11 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
     throw InvalidInput("--picture: works for one mesh, not for a sequence of range maps.");
   check_color(call, "." + call.format);
   check_outputs(call.inputs, {call.output});
-  const std::vector<fs::path> maps = list_range_maps(call.inputs);
-  check_camera_options(maps.front(), call.steps.camera);
+  const MapCamera& camera = call.steps.camera;
+  const std::vector<fs::path> maps = list_range_maps(call.inputs, camera);
+  check_camera_options(maps.front(), camera);
   // One message about a camera that serves all.
-  if (!call.steps.camera.rig.empty()) (void)sensing::read_camera(call.steps.camera.rig);
+  if (!camera.rig.empty()) (void)camera.files->cameras.read(camera.rig);
   check_mesh_names(maps);
   ResultFolder folder(
       call.output, [&](const fs::path& output) { return earlier_meshes(call, maps, output); },

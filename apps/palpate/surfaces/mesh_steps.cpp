@@ -258,7 +258,8 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.decimation.tolerance || steps.decimation.max_triangles) decimate(input, made, steps);
   if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);
   if (!steps.color_images.empty())
-    made.attributes = colors_in(steps.color_images, input, made.mesh.vertices, made.camera);
+    made.attributes = colors_in(steps.color_images, input, made.mesh.vertices, made.camera,
+                                steps.camera.files->recordings);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

@@ -92,8 +92,8 @@ Reference load_reference(const TrackCall& call, const fs::path& first_map) {
     const geometry::RangeMap map = load_range_map(reference.file, call.camera);
     reference.mesh = geometry::mesh_range_map(map).mesh;
     if (!call.color_images.empty() && call.reference.empty()) {
-      reference.colors =
-          colors_in(call.color_images, reference.file, reference.mesh.vertices, map.camera);
+      reference.colors = colors_in(call.color_images, reference.file, reference.mesh.vertices,
+                                   map.camera, call.camera.files->recordings);
     }
   } else {
     reference.mesh = geometry::read_mesh(reference.file, call.meshes);
@@ -187,7 +187,7 @@ struct FrameResult {
 geometry::ImageF image_of(const TrackCall& call, const fs::path& file,
                           const geometry::Camera& camera) {
   if (call.color_images.empty()) return {};
-  return intensities_in(call.color_images, file, camera);
+  return intensities_in(call.color_images, file, camera, call.camera.files->recordings);
 }
 
 /// \throws InvalidInput if the first surface that was measured is not where the reference lies.
@@ -364,7 +364,7 @@ void track(const Settings& settings, TrackCall call) {
         ": is a file; give a folder of range maps, as palpate decode writes them, or of "
         "depth images.");
   }
-  const std::vector<fs::path> maps = list_range_maps({call.input});
+  const std::vector<fs::path> maps = list_range_maps({call.input}, call.camera);
   check_output_folder(
       {call.input, call.reference, call.acquisition, call.camera.rig, call.camera.mask},
       call.output);

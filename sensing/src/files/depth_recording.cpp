@@ -90,22 +90,38 @@ std::vector<RecordedDepth> read_depth_recording(const fs::path& folder) {
   return recorded;
 }
 
-std::optional<RecordedDepth> find_recorded(const fs::path& depth_image) {
-  const fs::path beside = fs::absolute(depth_image).parent_path();
+std::vector<RecordedDepth> DepthRecordings::read(const fs::path& folder) {
+  const Listed& recording = listed(folder);
+  if (!recording.error.empty()) throw FileError(recording.error);
+  return recording.frames;
+}
+
+std::optional<RecordedDepth> DepthRecordings::find(const fs::path& depth_image) {
+  const fs::path beside = fs::absolute(depth_image).parent_path(), name = depth_image.filename();
   for (const fs::path& folder : {beside, beside.parent_path()}) {
     if (!is_depth_recording(folder)) continue;
-    try {
-      for (const RecordedDepth& frame : read_depth_recording(folder)) {
-        std::error_code is_missing;
-        if (frame.depth.filename() == depth_image.filename() &&
-            fs::equivalent(frame.depth, depth_image, is_missing))
-          return frame;
-      }
-    } catch (const FileError&) {
-      // A depth.txt of another kind is no recording.
+    for (const RecordedDepth& frame : listed(folder).frames) {
+      std::error_code is_missing;
+      if (frame.depth.filename() == name && fs::equivalent(frame.depth, depth_image, is_missing))
+        return frame;
     }
   }
   return std::nullopt;
+}
+
+const DepthRecordings::Listed& DepthRecordings::listed(const fs::path& folder) {
+  const std::scoped_lock lock(mutex_);
+  std::error_code cannot_look;
+  const fs::path canonical = fs::weakly_canonical(folder, cannot_look);
+  const auto [entry, is_new] = by_folder_.try_emplace(cannot_look ? folder : canonical);
+  Listed& recording = entry->second;
+  if (!is_new) return recording;
+  try {
+    recording.frames = read_depth_recording(folder);
+  } catch (const FileError& error) {
+    recording.error = error.what();
+  }
+  return recording;
 }
 
 }  // namespace palpate::sensing

@@ -319,4 +319,11 @@ geometry::Camera read_camera(const std::filesystem::path& path) {
   return read_camera_file(path).camera;
 }
 
+CameraFile CameraFiles::read(const std::filesystem::path& path) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = files_.find(path);
+  return known != files_.end() ? known->second
+                               : files_.emplace(path, read_camera_file(path)).first->second;
+}
+
 }  // namespace palpate::sensing

@@ -62,10 +62,12 @@ TEST(DepthRecording, FindsOnlyImagesThatAreListed) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder / "depth");
   for (const char* name : {"a.png", "depth/a.png", "depth/b.png"}) write_text(folder / name, "");
-  const auto is_found = [&](const char* name) { return find_recorded(folder / name).has_value(); };
+  const auto is_found = [&](const char* name) {
+    return DepthRecordings().find(folder / name).has_value();
+  };
   EXPECT_FALSE(is_found("depth/a.png"));
   write_text(folder / "depth.txt", "1 depth/a.png\n");
-  EXPECT_EQ(find_recorded(folder / "depth/a.png").value().recording, folder.path());
+  EXPECT_EQ(DepthRecordings().find(folder / "depth/a.png").value().recording, folder.path());
   EXPECT_FALSE(is_found("depth/b.png"));
   EXPECT_FALSE(is_found("a.png"));
   write_text(folder / "depth.txt", "1 a.png\n");  // beside the list
@@ -73,6 +75,25 @@ TEST(DepthRecording, FindsOnlyImagesThatAreListed) {
   EXPECT_FALSE(is_found("depth/a.png"));
   write_text(folder / "depth.txt", "1 depth/a.png\nNotes: the depth is that of the water.\n");
   EXPECT_FALSE(is_found("depth/a.png"));
+}
+
+TEST(DepthRecordings, AreReadOnce) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "depth/depth");
+  write_text(folder / "depth/a.png", "");
+  write_text(folder / "depth.txt", "1 depth/a.png\n");
+  write_text(folder / "depth/depth.txt", "The depth of the water.\n");
+  DepthRecordings recordings;
+  EXPECT_EQ(recordings.read(folder.path()).size(), 1U);
+  for (const char* list : {"depth.txt", "depth/depth.txt"}) write_text(folder / list, "soon\n");
+  EXPECT_EQ(recordings.read(folder / "depth/..").size(), 1U);
+  EXPECT_TRUE(recordings.find(folder / "depth/a.png"));
+  write_text(folder / "depth/depth.txt", "2 a.png\n");
+  EXPECT_EQ(recordings.find(folder / "depth/a.png").value().time, 1);
+  const auto refusal = [&] { (void)recordings.read(folder / "depth"); };
+  const std::string first = message_of<FileError>(refusal);
+  EXPECT_NE(first.find("depth.txt: line 1: a time"), std::string::npos) << first;
+  EXPECT_EQ(message_of<FileError>(refusal), first);
 }
 
 TEST(DepthRecording, NamesTheLineThatIsWrong) {

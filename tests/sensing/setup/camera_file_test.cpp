@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <array>
+#include <filesystem>
 #include <string>
 #include <thread>
 
@@ -288,6 +289,16 @@ TEST(CameraFile, SaysInWhichLineItIsDamaged) {
   const auto path = written(folder, "file.yaml", "camera_size: [ 4, 3 ]\nfx: [ 1\n");
   EXPECT_NE(message_of<FileError>([&] { (void)is_camera_file(path); }).find("file.yaml: line "),
             std::string::npos);
+}
+
+TEST(CameraFiles, ReadEachFileOnce) {
+  const ScratchFolder folder;
+  const auto path = written(folder, "camera.json", kRealSense);
+  CameraFiles files;
+  expect_pinhole(files.read(path).camera);
+  std::filesystem::remove(path);
+  expect_pinhole(files.read(path).camera);
+  EXPECT_THROW((void)files.read(folder / "other.json"), FileError);
 }
 
 TEST(CameraFile, NamesWhatIsMissingOrWrong) {

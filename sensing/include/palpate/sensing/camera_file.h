@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string_view>
 
@@ -55,5 +57,16 @@ struct CameraFile {
 
 /// The camera of `read_camera_file` alone.
 [[nodiscard]] geometry::Camera read_camera(const std::filesystem::path& path);
+
+/// Files of cameras, each of which is read once. Threads may use an object at the same time.
+class CameraFiles {
+ public:
+  /// As `read_camera_file`, of the first time that a path is given.
+  [[nodiscard]] CameraFile read(const std::filesystem::path& path);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::filesystem::path, CameraFile> files_;
+};
 
 }  // namespace palpate::sensing

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace palpate::sensing {
@@ -33,8 +36,27 @@ struct RecordedDepth {
 /// form, or a time is there twice.
 [[nodiscard]] std::vector<RecordedDepth> read_depth_recording(const std::filesystem::path& folder);
 
-/// The entry of a depth image in the recording that lists it: that of its folder, or of the folder
-/// above. None if neither lists this very file; a `depth.txt` of another form does not count.
-[[nodiscard]] std::optional<RecordedDepth> find_recorded(const std::filesystem::path& depth_image);
+/// Recordings, the lists of which are read once. Threads may use an object at the same time.
+class DepthRecordings {
+ public:
+  /// As `read_depth_recording`.
+  [[nodiscard]] std::vector<RecordedDepth> read(const std::filesystem::path& folder);
+
+  /// The entry of a depth image in the recording that lists it: that of its folder, or of the
+  /// folder above. None if neither lists this very file; a `depth.txt` of another form does not
+  /// count.
+  [[nodiscard]] std::optional<RecordedDepth> find(const std::filesystem::path& depth_image);
+
+ private:
+  struct Listed {
+    std::vector<RecordedDepth> frames;
+    std::string error;  ///< if they could not be read
+  };
+  /// The reference stays valid.
+  const Listed& listed(const std::filesystem::path& folder);
+
+  std::mutex mutex_;
+  std::map<std::filesystem::path, Listed> by_folder_;
+};
 
 }  // namespace palpate::sensing
