@@ -160,6 +160,24 @@ TEST_F(DepthCamera, ReadsTheLayoutOfTum) {
   EXPECT_EQ(read_text(scratch / "meshes/5.00.ply"), read_text(scratch / "a.ply"));
 }
 
+TEST_F(DepthCamera, RefusesARecordingThatListsOtherImagesAsDepths) {
+  const std::string depths = copied_depths();
+  write_text(scratch / "depth.txt", "0 depth/000000.png\n1 depth/000001.png\n");
+  const ScratchFolder output;
+  const std::vector<std::string> call = {
+      "mesh", scratch.path(), "--camera", bundled("camera.json"), "-o", output / "meshes"};
+  fs::copy(bundled("color/000001.png"), depths + "/000001.png",
+           fs::copy_options::overwrite_existing);
+  EXPECT_THAT(refused(call), AllOf(HasSubstr("000001.png: is a colour image of 8 bit"),
+                                   HasSubstr("16-bit single-channel PNG")));
+  EXPECT_FALSE(fs::exists(output / "meshes"));
+  fs::remove(depths + "/000001.png");
+  const CommandResult rest = run_palpate(call);
+  EXPECT_EQ(rest.status, kWorkFailed);
+  EXPECT_THAT(rest.err, HasSubstr("000001.png"));
+  EXPECT_TRUE(fs::exists(output / "meshes/000000.ply"));
+}
+
 TEST_F(DepthCamera, TakesTheUnitOfTumOnlyForImagesThatAreListed) {
   const std::string depths = copied_depths();
   const std::vector<std::string> call = {

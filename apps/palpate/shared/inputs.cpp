@@ -91,8 +91,10 @@ InvalidInput both_kinds(const fs::path& range_map, const fs::path& depth_image) 
 std::vector<fs::path> range_maps_in(const fs::path& folder, const MapCamera& camera) {
   if (sensing::is_depth_recording(folder)) {
     std::vector<fs::path> depths;
-    for (const sensing::RecordedDepth& frame : camera.files->recordings.read(folder))
+    for (const sensing::RecordedDepth& frame : camera.files->recordings.read(folder)) {
+      if (is_there(frame.depth)) check_depth_image(frame.depth);  // its reader tells a missing one
       depths.push_back(frame.depth);
+    }
     return depths;
   }
   check_is_of_one_run(folder);
