@@ -135,6 +135,19 @@ TEST_F(DepthCamera, ReadsTheCameraOnceSoThatItMayComeThroughAPipe) {
   EXPECT_EQ(read_text(scratch / "meshes/000002.ply"), read_text(scratch / "a.ply"));
 }
 
+TEST_F(DepthCamera, TakesTheUnitOfTheCameraBesideTheImages) {
+  const std::string depths = copied_depths();
+  write_text(depths + "/rig.yaml",
+             "{\"width\": 200, \"height\": 150, \"depth_scale\": 1000.0, \"intrinsic_matrix\": "
+             "[260, 0, 0, 0, 260, 0, 99.5, 74.5, 1]}");
+  figures({"mesh", depths + "/000000.png", "-o", scratch / "a.ply"});
+  figures(with({"mesh", depth_image("00"), "-o", scratch / "b.ply"}));
+  EXPECT_EQ(read_text(scratch / "a.ply"), read_text(scratch / "b.ply"));
+  EXPECT_THAT(refused({"mesh", depths + "/000000.png", "--intrinsics", "260,260,99.5,74.5", "-o",
+                       scratch / "c.ply"}),
+              HasSubstr("a depth image needs --scale"));
+}
+
 TEST_F(DepthCamera, ReadsTheLayoutOfTum) {
   fs::create_directories(scratch / "tum/depth");
   fs::create_directories(scratch / "tum/rgb");

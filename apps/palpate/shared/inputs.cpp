@@ -125,12 +125,16 @@ std::vector<fs::path> range_maps_in(const fs::path& folder, const MapCamera& cam
   return images;
 }
 
+fs::path rig_beside(const fs::path& range_map) { return range_map.parent_path() / "rig.yaml"; }
+
 /// [mm] The length of one unit of a depth image, if it is known. Tells once that a recording
 /// implies it.
 std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& camera) {
   if (camera.scale) return camera.scale;
-  if (!camera.rig.empty()) {
-    const std::optional<double> unit = camera.files->cameras.read(camera.rig).mm_per_unit;
+  const bool has_file = !camera.rig.empty() || is_there(rig_beside(depth_image));
+  if (camera.intrinsics.empty() && has_file) {
+    const fs::path file = rig_of(depth_image, camera.rig);
+    const std::optional<double> unit = camera.files->cameras.read(file).mm_per_unit;
     if (unit) return unit;
   }
   if (!camera.files->recordings.find(depth_image)) return std::nullopt;
@@ -302,7 +306,7 @@ std::vector<std::string> reason_words() {
 
 fs::path rig_of(const fs::path& range_map, const fs::path& rig) {
   if (!rig.empty()) return rig;
-  fs::path beside = range_map.parent_path() / "rig.yaml";
+  fs::path beside = rig_beside(range_map);
   std::error_code ignored;
   if (!fs::exists(beside, ignored)) {
     throw FileError(
@@ -352,18 +356,17 @@ void check_camera_options(const fs::path& path, const MapCamera& camera) {
     throw InvalidInput(path.string() + ": " + (camera.scale ? "--scale" : "--intrinsics") +
                        " works for depth images (16-bit PNG), which this is not");
   }
-  if (!unit_of(path, camera)) {
-    throw InvalidInput(path.string() +
-                       ": a depth image needs --scale, the length of one unit in mm: 1 for most "
-                       "RealSense and Kinect cameras.");
-  }
   if (!camera.intrinsics.empty() && !camera.rig.empty()) {
     throw InvalidInput(path.string() +
                        ": --intrinsics and --camera (or --rig) both give its camera; pass one of "
                        "them.");
   }
-  if (camera.intrinsics.empty() && camera.rig.empty() &&
-      !is_there(path.parent_path() / "rig.yaml")) {
+  if (!unit_of(path, camera)) {
+    throw InvalidInput(path.string() +
+                       ": a depth image needs --scale, the length of one unit in mm: 1 for most "
+                       "RealSense and Kinect cameras.");
+  }
+  if (camera.intrinsics.empty() && camera.rig.empty() && !is_there(rig_beside(path))) {
     throw InvalidInput(path.string() +
                        ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px], --camera "
                        "FILE, or a rig.yaml beside it.");
