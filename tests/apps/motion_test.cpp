@@ -54,6 +54,14 @@ class Motion : public ::testing::Test {
     options.insert(options.begin(), {"motion", scratch / "meshes", "-o", scratch / "motion"});
     return run_palpate(options);
   }
+  /// Gives the meshes of frames 0, 1, 3 and 4 other names.
+  void rename_to(const std::vector<std::string>& names) const {
+    constexpr const char* kFrames = "0134";
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      fs::rename(scratch / ("meshes/frame_000" + std::string(1, kFrames[i]) + ".ply"),
+                 scratch / ("meshes/" + names[i] + ".ply"));
+    }
+  }
   geometry::MeshFile result(const std::string& name) {
     return geometry::read_mesh_file(scratch / ("motion/" + name));
   }
@@ -111,6 +119,51 @@ TEST_F(Motion, WritesASeriesForParaView) {
   EXPECT_DOUBLE_EQ(series["files"][3]["time"], 0.08);
   EXPECT_THAT(read_text(scratch / "motion/frame_0004.vtk"),
               AllOf(HasSubstr("# vtk DataFile"), HasSubstr("stretch_largest")));
+}
+
+// As `track` names the meshes of a recording in the layout of TUM RGB-D.
+TEST_F(Motion, TakesNamesThatAreTimesForSeconds) {
+  rename_to({"1305031102.95", "1305031102.97", "1305031103.01", "1305031103.03"});
+  const CommandResult done = motion({"--json"});
+  ASSERT_EQ(done.status, kDone) << done.err;
+  const json frames = json::parse(done.out)["per_frame"];
+  constexpr double kRounding = 1e-6;  // [s] of double precision
+  EXPECT_NEAR(frames[3]["time"], 4 / kRate, kRounding);
+  const Eigen::VectorXd fall =
+      geometry::scalars(result("1305031103.01.ply").vertex_attributes, "velocity_z").value();
+  EXPECT_NEAR(fall.maxCoeff(), -kFall * kRate, 0.01);
+  EXPECT_NEAR(fall.minCoeff(), -kFall * kRate, 0.01);
+  const CommandResult refused = motion({"--rate", "50"});
+  EXPECT_EQ(refused.status, kWrongCall);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("1305031102.95.ply"), HasSubstr("leave out --rate")));
+}
+
+TEST_F(Motion, SortsTimesByTheirValue) {
+  rename_to({"9.75", "9.8", "10", "10.25"});  // not all are times: by their names
+  EXPECT_EQ(json::parse(motion({"--json"}).out)["per_frame"][3]["time"], 3);
+  fs::rename(scratch / "meshes/10.ply", scratch / "meshes/9.900.ply");
+  fs::remove_all(scratch / "motion");
+  const json frames = json::parse(motion({"--json"}).out)["per_frame"];
+  EXPECT_THAT(frames[2]["file"].get<std::string>(), HasSubstr("9.900.ply"));
+  EXPECT_DOUBLE_EQ(frames[3]["time"], 0.5);
+}
+
+TEST_F(Motion, CountsTheFramesIfTheirNamesEndInDecimalsOrInLongNumbers) {
+  for (const std::vector<std::string>& names : std::vector<std::vector<std::string>>{
+           {"d_5.003", "d_5.036", "d_5.103", "d_5.136"},
+           {"d_1305031102160", "d_1305031102193", "d_1305031102260", "d_1305031102293"}}) {
+    const ScratchFolder other;
+    fs::create_directory(other / "meshes");
+    std::size_t i = 0;
+    for (const char frame : {'0', '1', '3', '4'}) {
+      fs::copy(scratch / ("meshes/frame_000" + std::string(1, frame) + ".ply"),
+               other / ("meshes/" + names[i++] + ".ply"));
+    }
+    const CommandResult done =
+        run_palpate({"motion", other / "meshes", "-o", other / "motion", "--json"});
+    ASSERT_EQ(done.status, kDone) << done.err;
+    EXPECT_EQ(json::parse(done.out)["per_frame"][3]["time"], 3);
+  }
 }
 
 TEST_F(Motion, RefusesMeshesOfOtherTriangles) {

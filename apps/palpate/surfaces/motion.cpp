@@ -4,18 +4,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"
@@ -46,7 +48,13 @@ struct MotionCall {
 /// A mesh of the sequence.
 struct MotionFrame {
   fs::path file;
-  double time = 0;  // [frames] since the first one
+  double time = 0;  // [s] or [frames], since the first one
+};
+
+/// The sequence, in the order of time.
+struct MotionSequence {
+  std::vector<MotionFrame> frames;
+  bool has_seconds = false;  // as the times; or frames
 };
 
 struct FrameFigures {
@@ -57,35 +65,64 @@ struct FrameFigures {
   double area = 0;                                // of the surface, relative to the reference
 };
 
-// The number at the end of a name, such as that of 000012.ply.
-std::optional<long> frame_number(const fs::path& file) {
+// [frames] The whole number at the end of a name, such as that of 000012.ply. Decimals are none,
+// and neither are more than nine digits, which are a time in some unit.
+std::optional<double> frame_number(const fs::path& file) {
+  static const std::regex kNumber("(?:.*[^0-9])?([0-9]{1,9})"), kDecimals(".*[0-9][.][0-9]+");
   const std::string name = file.stem().string();
-  const auto first = std::find_if(name.rbegin(), name.rend(), [](unsigned char c) {
-                       return std::isdigit(c) == 0;
-                     }).base();
-  constexpr std::ptrdiff_t kMostDigits = 9;
-  if (first == name.end() || name.end() - first > kMostDigits) return std::nullopt;
-  return std::stol(std::string(first, name.end()));
+  std::smatch match;
+  if (std::regex_match(name, kDecimals) || !std::regex_match(name, match, kNumber))
+    return std::nullopt;
+  return parse_number<double>(match.str(1));
 }
 
-/// The meshes of a folder in the order of their names. Their times are their numbers, so that lost
-/// frames leave gaps, or their places if not all names have ascending numbers.
-std::vector<MotionFrame> frames_of(const fs::path& folder) {
+// [s] The time that a name is, such as that of 1305031102.160407.ply, a frame of TUM RGB-D.
+std::optional<double> time_stamp(const fs::path& file) {
+  static const std::regex kTime("[0-9]+[.][0-9]+");
+  const std::string name = file.stem().string();
+  return std::regex_match(name, kTime) ? parse_number<double>(name) : std::nullopt;
+}
+
+/// The files with their times; none unless all have one.
+template <typename TimeOf>
+std::vector<MotionFrame> with_times(const std::vector<fs::path>& files, const TimeOf& time_of) {
   std::vector<MotionFrame> frames;
-  bool numbered = true;
-  for (const fs::path& file : list_meshes(folder)) {
-    const std::optional<long> number = frame_number(file);
-    numbered =
-        numbered && number && (frames.empty() || static_cast<double>(*number) > frames.back().time);
-    frames.push_back({file, static_cast<double>(number.value_or(0))});
+  for (const fs::path& file : files) {
+    const std::optional<double> time = time_of(file);
+    if (!time) return {};
+    frames.push_back({file, *time});
   }
-  if (frames.empty()) {
+  return frames;
+}
+
+/// Whether the times of some frames increase from each to the next.
+bool advances(const std::vector<MotionFrame>& frames) {
+  return !frames.empty() && std::ranges::adjacent_find(frames, std::greater_equal<>(),
+                                                       &MotionFrame::time) == frames.end();
+}
+
+MotionSequence since_first(std::vector<MotionFrame> frames, bool has_seconds) {
+  const double first = frames.front().time;
+  for (MotionFrame& frame : frames) frame.time -= first;
+  return {.frames = std::move(frames), .has_seconds = has_seconds};
+}
+
+/// The meshes of a folder. Their names are times, or end with the numbers of frames, so that lost
+/// frames leave gaps; otherwise the meshes are counted in the order of their names.
+MotionSequence sequence_of(const fs::path& folder) {
+  const std::vector<fs::path> files = list_meshes(folder);
+  if (files.empty()) {
     throw FileError(folder.string() + ": has no meshes; give a folder as palpate track writes it");
   }
-  const double first = frames.front().time;
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    frames[i].time = numbered ? frames[i].time - first : static_cast<double>(i);
-  return frames;
+  std::vector<MotionFrame> timed = with_times(files, time_stamp);
+  std::ranges::sort(timed, {}, &MotionFrame::time);
+  if (advances(timed)) return since_first(std::move(timed), true);
+  std::vector<MotionFrame> numbered = with_times(files, frame_number);
+  if (advances(numbered)) return since_first(std::move(numbered), false);
+  MotionSequence sequence;
+  for (const fs::path& file : files)
+    sequence.frames.push_back({file, static_cast<double>(sequence.frames.size())});
+  return sequence;
 }
 
 // Of the values that are known.
@@ -181,10 +218,12 @@ std::string series_of(const std::vector<FrameFigures>& frames) {
   return Json{{"file-series-version", "1.0"}, {"files", files}}.dump(2) + "\n";
 }
 
-std::vector<FrameFigures> write_frames(const MotionCall& call,
-                                       const std::vector<MotionFrame>& frames,
+std::vector<FrameFigures> write_frames(const MotionCall& call, const MotionSequence& sequence,
                                        const geometry::TriangleMesh& reference,
                                        const fs::path& folder) {
+  const std::vector<MotionFrame>& frames = sequence.frames;
+  // [1/s] of the times of frames
+  const std::optional<double> rate = sequence.has_seconds ? 1.0 : call.rate;
   std::vector<FrameFigures> figures;
   Progress progress("measuring motion");
   std::vector<geometry::MeshFile> near;  // the frame, with those beside it
@@ -198,15 +237,15 @@ std::vector<FrameFigures> write_frames(const MotionCall& call,
       ++first;
     }
     Positions beside;
-    if (call.rate) {
+    if (rate) {
       beside = {.before = &near.front().mesh.vertices,
                 .after = &near.back().mesh.vertices,
-                .seconds = (frames[end - 1].time - frames[begin].time) / *call.rate};
+                .seconds = (frames[end - 1].time - frames[begin].time) / *rate};
     }
     geometry::MeshFile frame = near[i - first];
     figures.push_back(describe(call, reference, beside, frame));
     figures.back().file = (call.output / mesh_name(call, frames[i])).string();
-    figures.back().time = frames[i].time / call.rate.value_or(1);
+    figures.back().time = frames[i].time / rate.value_or(1);
     geometry::write_mesh_file(folder / mesh_name(call, frames[i]), frame);
     progress.show(static_cast<int>(i + 1), static_cast<int>(frames.size()));
   }
@@ -235,15 +274,21 @@ void motion(const Settings& settings, const MotionCall& call) {
                        ": is a file; give a folder of meshes, as palpate track writes it");
   }
   check_output_folder({call.input, call.reference}, call.output);
-  const std::vector<MotionFrame> frames = frames_of(call.input);
+  const MotionSequence sequence = sequence_of(call.input);
+  const fs::path& first = sequence.frames.front().file;
+  if (sequence.has_seconds && call.rate) {
+    throw InvalidInput(first.string() +
+                       ": the names of the meshes are times in seconds, which give the velocities; "
+                       "leave out --rate");
+  }
   std::vector<fs::path> entries{kSeries};
-  for (const MotionFrame& frame : frames) entries.push_back(mesh_name(call, frame));
+  for (const MotionFrame& frame : sequence.frames) entries.push_back(mesh_name(call, frame));
   check_replaceable(call.output, entries);
-  const fs::path file = call.reference.empty() ? frames.front().file : call.reference;
+  const fs::path file = call.reference.empty() ? first : call.reference;
   const geometry::TriangleMesh reference = geometry::read_mesh(file);
   std::vector<FrameFigures> figures;
   write_folder(call.output, entries, [&](const fs::path& folder) {
-    figures = write_frames(call, frames, reference, folder);
+    figures = write_frames(call, sequence, reference, folder);
   });
   Json per_frame = Json::array();
   for (const FrameFigures& of : figures) per_frame.push_back(to_json(of));
@@ -268,7 +313,8 @@ void add_motion(CLI::App& app, const Settings& settings) {
                       "Mesh with which the others are compared (default: the first one)");
   command
       ->add_option("--rate", call->rate,
-                   "Frames per second, for velocities; frames are numbered by their names [Hz]")
+                   "Frames per second, for velocities; frames are numbered by their names. Names "
+                   "that are times in seconds, as of a recording of TUM RGB-D, need none [Hz]")
       ->check(within(above(0).finite()));
   command
       ->add_option("--radius", call->radius,
@@ -282,7 +328,8 @@ void add_motion(CLI::App& app, const Settings& settings) {
   command->footer(
       "Each mesh has these values at its vertices, with those that it had before: displacement "
       "[mm] "
-      "and its components;\nspeed and velocity [mm/s] with --rate; stretch_largest and "
+      "and its components;\nspeed and velocity [mm/s] with --rate, or if the names are times; "
+      "stretch_largest and "
       "stretch_smallest, the principal stretches (length divided\nby length in the reference); "
       "stretch_x, _y, _z, the direction of the largest one; area_ratio.\n"
       "With --format vtk, ParaView opens motion.vtk.series as one sequence.\n"
