@@ -200,7 +200,7 @@ std::string left_out_in_words(const geometry::RangeMapSelection& selection,
         fmt::format("{} are on the plane of --remove-plane or behind it", selection.on_plane));
   if (selection.without_ray > 0) {
     words.push_back(
-        fmt::format("{} have no ray by the lens distortion of the camera", selection.without_ray));
+        fmt::format("{} have no direction because of the lens distortion", selection.without_ray));
   }
   return fmt::format("{}", fmt::join(words, ", "));
 }
