@@ -46,8 +46,7 @@ void add_tracked_surface(py::module_& module) {
             return vector_view(self.cast<TrackedSurface&>().surface.sigma_across, self);
           },
           "[mm] (V,) standard deviations of the errors along the normal; NaN in pieces of surface "
-          "of "
-          "which nothing is measured.")
+          "of which nothing is measured, and for vertices without triangles.")
       .def_property_readonly(
           "sigma_along",
           [](const py::object& self) {

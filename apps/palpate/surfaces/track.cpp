@@ -279,18 +279,21 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
 }
 
 /// Warns if the range maps hardly show how the surface moves along itself.
-/// \param sigma [mm] median along the surface
-/// \param rms [mm] median of the distances from the range maps
-void doubt_motion_along(double sigma, double rms, bool has_images) {
-  // Relative to the distances. Smooth surfaces have 12 and more, clear relief 1 to 3, texture 0.2.
-  constexpr double kVague = 5;
-  if (!(sigma > kVague * rms)) return;
+/// \param sigma [mm] median deviation of vertices along the surface
+/// \param noise [mm]
+void doubt_motion_along(double sigma, double noise, bool has_images) {
+  // Smooth surfaces have 12 and more, relief 1 to 8, texture 0.2.
+  constexpr double kVague = 10;
+  if (!(sigma > kVague * noise)) return;
   spdlog::warn(
-      "the surface follows the range maps, but they hardly show how it moves along itself "
-      "(standard deviation {:.2g} mm in the median): there is too little relief or texture, or too "
-      "much noise. Vertices move along it with the least distortion, and need not stay at the same "
-      "point of the object{}",
-      sigma, has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
+      "the surface follows the range maps, but they hardly show how it moves along itself (the "
+      "standard deviation of vertices along it is {:.2g} mm in the median, more than {:g} times "
+      "the "
+      "distances from the range maps): there is too little relief or texture, or too much noise. "
+      "Vertices move along it with the least distortion, and need not stay at the same point of "
+      "the object{}",
+      sigma, kVague,
+      has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
 }
 
 void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
@@ -298,7 +301,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
   nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
   nlohmann::ordered_json lost = nlohmann::ordered_json::array();
   std::string prose, lost_names;
-  std::vector<double> rms, across, along;
+  std::vector<double> rms, noise, across, along;
   for (std::size_t i = 0; i < tracking.frames.size(); ++i) {
     const TrackedFrame& frame = tracking.frames[i];
     nlohmann::ordered_json entry = to_json(frame);
@@ -310,6 +313,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
       rms.push_back(figures.rms);
       // A range map says nothing new of the surface that is made from it.
       if (i > 0 || !call.reference.empty()) {
+        noise.push_back(figures.rms);
         across.push_back(figures.sigma_across);
         along.push_back(figures.sigma_along);
       }
@@ -329,7 +333,15 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
   const geometry::ErrorStatistics of_rms = geometry::error_statistics(rms);
   const double sigma_across = geometry::error_statistics(across).median;
   const double sigma_along = geometry::error_statistics(along).median;
-  doubt_motion_along(sigma_along, of_rms.median, !call.color_images.empty());
+  // Beside maps without noise, the distances are too small to judge by.
+  doubt_motion_along(sigma_along, std::max(geometry::error_statistics(noise).median, sigma_across),
+                     !call.color_images.empty());
+  const std::string deviations =
+      along.empty() ? ""
+                    : fmt::format(
+                          "; standard deviation of the vertices {:.2g} mm across the "
+                          "surface, {:.2g} mm along it",
+                          sigma_across, sigma_along);
   const double done = static_cast<double>(tracking.frames.size() - tracking.kept);
   print(settings,
         {{"range_maps", tracking.frames.size()},
@@ -345,12 +357,10 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
          {"seconds_per_frame", tracking.seconds / done},
          {"per_frame", per_frame}},
         prose + fmt::format("{} of {} range maps became meshes of {} vertices and {} triangles in "
-                            "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm; standard "
-                            "deviation of the vertices {:.2g} mm across the surface, {:.2g} mm "
-                            "along it.",
+                            "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm{}.",
                             rms.size(), tracking.frames.size(), mesh.vertices.cols(),
                             mesh.triangles.cols(), call.output.string(), of_rms.median, of_rms.max,
-                            sigma_across, sigma_along));
+                            deviations));
   if (!lost.empty()) {
     throw Error(fmt::format("{} of {} frames were lost ({}); the others have their meshes.",
                             lost.size(), tracking.frames.size(), lost_names));
@@ -443,7 +453,7 @@ void add_track(CLI::App& app, const Settings& settings) {
       "the least distortion.\n"
       ".ply files also contain the distance of each vertex from the range map (NaN where nothing "
       "was measured), and the\nstandard deviation of its position in mm, across the surface "
-      "(sigma_across) and along it (sigma_along).\n"
+      "(sigma_across) and along it (sigma_along: large\nwhere nothing shows this motion).\n"
       "A frame that is broken or lost gets no mesh, the next one starts from the last frame that "
       "was "
       "tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, nodes/ "

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -26,6 +27,12 @@ constexpr const char* kTrackRecord = "frames of palpate track";
 /// What the user can do without the record, for messages.
 constexpr const char* kTrackRemedy = "Leave out --resume to track all frames again";
 
+/// NaN is null in JSON.
+double number_or_nan(const Json& json, const char* key) {
+  const Json& value = json.at(key);
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
 TrackedFrame tracked_frame(const Json& json) {
   TrackedFrame frame{
       .range_map = json.at("range_map"), .fingerprint = json.at("fingerprint"), .lost = {}};
@@ -33,14 +40,14 @@ TrackedFrame tracked_frame(const Json& json) {
     frame.lost = json.at("lost");
     return frame;
   }
-  frame.figures = {.rms = json.at("rms"),
-                   .p95 = json.at("p95"),
-                   .max = json.at("max"),
+  frame.figures = {.rms = number_or_nan(json, "rms"),
+                   .p95 = number_or_nan(json, "p95"),
+                   .max = number_or_nan(json, "max"),
                    .measured = json.at("measured"),
                    .visible = json.at("visible"),
                    .stretch = json.at("stretch"),
-                   .sigma_across = json.at("sigma_across"),
-                   .sigma_along = json.at("sigma_along"),
+                   .sigma_across = number_or_nan(json, "sigma_across"),
+                   .sigma_along = number_or_nan(json, "sigma_along"),
                    .iterations = json.at("iterations"),
                    .settled = json.at("settled")};
   return frame;

@@ -295,7 +295,7 @@ double DeformationEquations::step(std::span<const PlanePair> pairs, double stiff
   return std::sqrt(sum_of_squares / static_cast<double>(graph_.nodes().cols()));
 }
 
-void DeformationEquations::linearize(std::span<const PlanePair> pairs, double stiffness,
+bool DeformationEquations::linearize(std::span<const PlanePair> pairs, double stiffness,
                                      double damping, bool scale_is_free, double scale,
                                      const std::vector<Eigen::Isometry3d>& motions) {
   Sums sums = sum_of_planes(pairs, motions);
@@ -315,12 +315,14 @@ void DeformationEquations::linearize(std::span<const PlanePair> pairs, double st
                        motions[static_cast<std::size_t>(graph_.edges()(1, e))].linear()) *
                       links.col(e) / 2;
   }
-  if (!scale_is_free) return;
+  if (solver_.info() != Eigen::Success) return false;
+  if (!scale_is_free) return true;
   add_stretch(stiffness, scale, links, motions, sums);
   at_.moves_per_scale = solver_.solve(sums.of_scale_and_nodes);
   at_.scale_held = kScale * sums.of_scale_twice;
   at_.scale_left = left_of_scale(sums, at_.moves_per_scale);
   at_.of_scale_and_nodes = std::move(sums.of_scale_and_nodes);
+  return true;
 }
 
 /// \param force on the nodes
@@ -372,9 +374,9 @@ DeformationEquations::Response DeformationEquations::response_to_moves(
 DeformationEquations::Response DeformationEquations::response_to_scale() const {
   const Eigen::VectorXd no_force = Eigen::VectorXd::Zero(matrix_.rows());
   if (!(at_.scale_left > at_.scale_held)) return {no_force, 0};
-  // The scale that was found is drawn, too: by scale_held / scale_left of its distance from 1.
-  const double undrawn = (at_.scale - 1) / (1 - at_.scale_held / at_.scale_left);
-  return solved(no_force, -at_.scale_held * undrawn);
+  // The scale that was found is pulled, too: by scale_held / scale_left of its distance from 1.
+  const double free = 1 + (at_.scale - 1) / (1 - at_.scale_held / at_.scale_left);
+  return solved(no_force, -at_.scale_held * (std::clamp(free, 1 / kMostScale, kMostScale) - 1));
 }
 
 }  // namespace palpate::geometry

@@ -33,8 +33,8 @@ class DeformationEquations {
   /// The scale of the whole surface that explains its motions best, at most by kMostScale.
   [[nodiscard]] double scale_of(const std::vector<Eigen::Isometry3d>& motions) const;
 
-  /// Moves the nodes by one step. `pairs`: one per sample. Returns the largest
-  /// motion of a node [mm], with rotations measured at the spacing of the nodes.
+  /// Moves the nodes by one step. `pairs`: one per sample. Returns the
+  /// motion of the nodes [mm] (RMS), with rotations measured at the spacing of the nodes.
   /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
   /// \param hold  with which nodes are held where they are in the graph
@@ -51,7 +51,8 @@ class DeformationEquations {
 
   /// Prepares the responses at a solution, of which anchors and `hold` are no part.
   /// \param damping of all moves, relative to the weight of the data; > 0
-  void linearize(std::span<const PlanePair> pairs, double stiffness, double damping,
+  /// \return whether the equations can be solved; otherwise there are no responses
+  bool linearize(std::span<const PlanePair> pairs, double stiffness, double damping,
                  bool scale_is_free, double scale, const std::vector<Eigen::Isometry3d>& motions);
 
   /// To errors of the distances of the first pairs, [mm].
@@ -64,7 +65,7 @@ class DeformationEquations {
   /// To moves from where the damping holds the nodes.
   [[nodiscard]] Response response_to_moves(const Eigen::VectorXd& moves) const;
 
-  /// To a scale that is not drawn to 1, as kScale does.
+  /// To the end of what pulls the scale to 1.
   [[nodiscard]] Response response_to_scale() const;
 
   /// The links at rest as they lie in the deformed surface, 3 x E [mm].
@@ -101,7 +102,7 @@ class DeformationEquations {
     double stiffness = 0;
     double damping = 0;
     double scale = 1;
-    double scale_held = 0;  ///< second derivative of what draws the scale to 1
+    double scale_held = 0;  ///< second derivative of what pulls the scale to 1
     double scale_left = 0;  ///< second derivative by the scale if the nodes follow; 0: not free
     Eigen::VectorXd of_scale_and_nodes;
     Eigen::VectorXd moves_per_scale;

@@ -27,6 +27,9 @@ constexpr std::size_t kDraws = 32;
 /// Waves of a random strain.
 constexpr int kWaves = 12;
 
+/// Largest deviation of strain: links that follow any strain would not show it.
+constexpr double kMostStrain = 1;
+
 /// Weight of the neighbours of a node in the fit of its normal. With more, less noise is left, but
 /// also less relief.
 constexpr double kNeighbour = 0.05;
@@ -139,14 +142,19 @@ std::vector<PlanePair> without_noise(const DeformationGraph& graph, std::span<co
   return pairs;
 }
 
-/// [mm] of a distance from a plane.
-double noise_of(const FittedGraph& fitted) {
+/// Of the distances; 0 if there are none.
+double noise_of(std::span<const PlanePair> pairs) {
   std::vector<double> distances;
-  for (const PlanePair& pair : std::span(fitted.pairs).first(fitted.planes))
+  for (const PlanePair& pair : pairs)
     if (pair.weight > 0) distances.push_back(std::abs(pair.distance));
-  if (distances.empty()) return fitted.least_noise;
-  return std::max(deviation_of_median(rank_quantile(distances, 0.5)), fitted.least_noise);
+  return distances.empty() ? 0 : deviation_of_median(rank_quantile(distances, 0.5));
 }
+
+/// Deviations of the distances of pairs.
+struct Noise {
+  double planes = 0;       ///< [mm]
+  double intensities = 0;  ///< in the unit of the image
+};
 
 /// Nodes in whose surroundings something was measured.
 std::vector<char> measured_nodes(const DeformationGraph& graph, std::span<const int> samples,
@@ -175,14 +183,18 @@ std::vector<char> reached_nodes(const DeformationGraph& graph, const std::vector
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11U) * 0x1p-53; }
 
 double normal(std::mt19937_64& random) {
-  return std::sqrt(-2 * std::log(1 - uniform(random))) *
-         std::cos(2 * std::numbers::pi * uniform(random));
+  const double length = std::sqrt(-2 * std::log(1 - uniform(random)));
+  return length * std::cos(2 * std::numbers::pi * uniform(random));
 }
 
-/// Each is +-`size`.
-std::vector<double> random_errors(std::size_t count, double size, std::mt19937_64& random) {
-  std::vector<double> errors(count);
-  for (double& error : errors) error = (random() & 1U) != 0 ? size : -size;
+/// Each is +- its deviation.
+std::vector<double> random_errors(const FittedGraph& fitted, const Noise& noise,
+                                  std::mt19937_64& random) {
+  std::vector<double> errors(fitted.measured);
+  for (std::size_t s = 0; s < errors.size(); ++s) {
+    const double size = s < fitted.planes ? noise.planes : noise.intensities;
+    errors[s] = (random() & 1U) != 0 ? size : -size;
+  }
   return errors;
 }
 
@@ -295,7 +307,7 @@ double deviation_of(std::span<const double> values) {
 /// Random changes of the solution. Together, their squares are the variance.
 std::vector<Response> random_changes(const DeformationGraph& graph,
                                      const DeformationEquations& equations,
-                                     const FittedGraph& fitted, double noise,
+                                     const FittedGraph& fitted, const Noise& noise,
                                      const std::vector<char>& measured) {
   const MeasuredLinks links(graph, equations.arms(), measured);
   const Eigen::VectorXd unstretched = Eigen::VectorXd::Zero(graph.edges().cols());
@@ -304,8 +316,8 @@ std::vector<Response> random_changes(const DeformationGraph& graph,
   parallel_for(kDraws, [&](std::size_t draw) {
     std::mt19937_64 random(draw);
     Response& of_noise = changes[draw];
-    of_noise = equations.response_to_distances(fitted.pairs,
-                                               random_errors(fitted.measured, noise, random));
+    // With the planes as they are: their noise does not tell motions, but passes errors on.
+    of_noise = equations.response_to_distances(fitted.pairs, random_errors(fitted, noise, random));
     // Of a surface that is stretched, which the links at rest are not.
     Response& of_strain = changes[kDraws + draw];
     const Eigen::VectorXd stretch = random_stretch(graph, random);
@@ -316,12 +328,14 @@ std::vector<Response> random_changes(const DeformationGraph& graph,
     by_noise[draw] = links.square_of(of_noise, fitted.scale, unstretched);
     by_strain[draw] = links.square_of(of_strain, fitted.scale, stretch);
   });
-  // What noise may hide is strain, too.
-  const double strain = links.empty()
-                            ? 0
-                            : (std::max(links.square_of(fitted.motions) - mean_of(by_noise), 0.0) +
-                               deviation_of(by_noise)) /
-                                  mean_of(by_strain);
+  const double shown = mean_of(by_strain);
+  double strain = 0;
+  if (shown > 0) {
+    // What noise may hide is strain, too.
+    const double seen =
+        std::max(links.square_of(fitted.motions) - mean_of(by_noise), 0.0) + deviation_of(by_noise);
+    strain = std::min(seen / shown, kMostStrain * kMostStrain);
+  }
   for (std::size_t draw = 0; draw < kDraws; ++draw) {
     changes[draw].moves /= std::sqrt(kDraws);
     changes[kDraws + draw].moves *= std::sqrt(strain / kDraws);
@@ -336,20 +350,25 @@ std::vector<Response> random_changes(const DeformationGraph& graph,
 VertexDeviations vertex_deviations(const DeformationGraph& graph, DeformationEquations& equations,
                                    const FittedGraph& fitted) {
   const std::span<const int> samples = equations.samples();
-  const double noise = noise_of(fitted);
+  const std::span<const PlanePair> measured_pairs = std::span(fitted.pairs).first(fitted.measured);
+  const Noise noise{
+      .planes = std::max(noise_of(measured_pairs.first(fitted.planes)), fitted.least_noise),
+      .intensities = noise_of(measured_pairs.subspan(fitted.planes))};
   // The precision of a motion of the whole surface by `reach`, in the weight of a measurement. Each
   // sample and each node have a share.
-  const double ratio = noise / fitted.reach;
+  const double ratio = noise.planes / fitted.reach;
   const double damping =
       ratio * ratio / static_cast<double>(std::max<std::size_t>(fitted.planes, 1));
-  equations.linearize(without_noise(graph, samples, fitted), fitted.stiffness, damping,
-                      fitted.scale_is_free, fitted.scale, fitted.motions);
   const std::vector<char> measured = measured_nodes(graph, samples, fitted);
   const std::vector<char> reached = reached_nodes(graph, measured);
-  const std::vector<Response> changes = random_changes(graph, equations, fitted, noise, measured);
   const Eigen::Index count = graph.mesh().vertices.cols();
   VertexDeviations deviations{Eigen::VectorXd::Constant(count, kNan),
                               Eigen::VectorXd::Constant(count, kNan)};
+  const bool is_solved =
+      equations.linearize(without_noise(graph, samples, fitted), fitted.stiffness, damping,
+                          fitted.scale_is_free, fitted.scale, fitted.motions);
+  if (!is_solved) return deviations;
+  const std::vector<Response> changes = random_changes(graph, equations, fitted, noise, measured);
   parallel_for(static_cast<int>(count), [&](int v) {
     if (reached[static_cast<std::size_t>(main_node(graph, v))] == 0) return;
     const auto nodes = graph.influences().col(v);

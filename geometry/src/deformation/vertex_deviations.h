@@ -29,18 +29,18 @@ struct FittedGraph {
 };
 
 /// Standard deviations of the places of vertices, V each [mm]; NaN in pieces of surface of which
-/// nothing is measured.
+/// nothing is measured, and for vertices without triangles.
 struct VertexDeviations {
   Eigen::VectorXd across;  ///< along the normal
   Eigen::VectorXd along;   ///< root mean square length of the error in the tangent plane
 };
 
 /// Propagates four independent errors through the equations:
-/// - of each measurement. All have the variance that their distances show.
+/// - of each measurement. All of a kind have the variance that their distances show.
 /// - of the links: random fields of strain, from two spacings of the nodes to the extent of the
 ///   surface. Their variance is that which the links of the solution show beyond the errors of
 ///   measurements, so it is large where the measurements hardly show strain.
-/// - of the scale, which is drawn to 1.
+/// - of the scale, which the equations pull to 1.
 /// - of the motion of the whole surface, which is `reach` where nothing shows it.
 /// Noise turns the planes of single pixels as relief does, and would seem to tell motions along the
 /// surface. The sensitivity of the equations is therefore that to mean planes around nodes, of

@@ -310,6 +310,12 @@ TEST(RegisterDeformed, FollowsATextureWhereDepthsShowNothing) {
   EXPECT_LT(errors(found.vertices, truth, visible).median, 0.2);
   EXPECT_GT(median_along(blind), 1);
   EXPECT_LT(median_along(found), 0.2);
+  // The unit of the intensities does not matter.
+  SeenIntensities brighter = seen;
+  brighter.image *= 8;
+  brighter.vertices *= 8;
+  EXPECT_NEAR(median_along(register_deformed(graph, after, {}, start.node_motions, {}, brighter)),
+              median_along(found), 1e-6);
 
   // An image that has nothing to do with the surface tells nothing.
   test::add_noise(before, 20, 3);
