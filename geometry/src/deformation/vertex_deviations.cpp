@@ -21,8 +21,8 @@ namespace {
 
 using Response = DeformationEquations::Response;
 
-/// Random errors of each kind. The deviations are right to 1 / sqrt(2 kDraws), 12 %.
-constexpr std::size_t kDraws = 32;
+/// Random errors of each kind. The deviations are right to 1 / sqrt(2 kDraws), 16 %.
+constexpr std::size_t kDraws = 20;
 
 /// Waves of a random strain.
 constexpr int kWaves = 12;
@@ -224,22 +224,25 @@ Eigen::VectorXd random_stretch(const DeformationGraph& graph, std::mt19937_64& r
   return stretch;
 }
 
-/// A random motion of the whole surface, with deviations of `size` [mm] along each axis and, at the
-/// ends of the surface, by rotations about each axis.
-Eigen::VectorXd random_motion(const DeformationGraph& graph,
-                              const std::vector<Eigen::Isometry3d>& motions, double size,
-                              std::mt19937_64& random) {
+/// Motions of the whole surface, which are independent: along each axis by `size` [mm], and about
+/// each axis by `size` at the ends of the surface.
+std::vector<Eigen::VectorXd> rigid_motions(const DeformationGraph& graph,
+                                           const std::vector<Eigen::Isometry3d>& motions,
+                                           double size) {
   Eigen::Matrix3Xd places = graph.nodes();
   for (Eigen::Index n = 0; n < places.cols(); ++n)
     places.col(n) = motions[static_cast<std::size_t>(n)] * places.col(n);
   places.colwise() -= places.rowwise().mean().eval();
   const double extent = std::max(places.colwise().norm().maxCoeff(), graph.spacing());
-  Eigen::Vector3d shift, turn;
-  for (double& part : shift) part = size * normal(random);
-  for (double& part : turn) part = size / extent * normal(random);
-  Eigen::VectorXd moves(6 * places.cols());
-  for (Eigen::Index n = 0; n < places.cols(); ++n)
-    moves.segment<6>(6 * n) << graph.spacing() * turn, shift + turn.cross(places.col(n));
+  std::vector<Eigen::VectorXd> moves(6, Eigen::VectorXd::Zero(6 * places.cols()));
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis), turn = size / extent * unit;
+    for (Eigen::Index n = 0; n < places.cols(); ++n) {
+      moves[static_cast<std::size_t>(axis)].segment<3>(6 * n + 3) = size * unit;
+      moves[static_cast<std::size_t>(3 + axis)].segment<6>(6 * n) << graph.spacing() * turn,
+          turn.cross(places.col(n));
+    }
+  }
   return moves;
 }
 
@@ -304,14 +307,13 @@ double deviation_of(std::span<const double> values) {
   return std::sqrt(sum / static_cast<double>(values.size() - 1));
 }
 
-/// Random changes of the solution. Together, their squares are the variance.
-std::vector<Response> random_changes(const DeformationGraph& graph,
-                                     const DeformationEquations& equations,
-                                     const FittedGraph& fitted, const Noise& noise,
-                                     const std::vector<char>& measured) {
+/// Changes of the solution. Together, their squares are the variance.
+std::vector<Response> changes_of(const DeformationGraph& graph,
+                                 const DeformationEquations& equations, const FittedGraph& fitted,
+                                 const Noise& noise, const std::vector<char>& measured) {
   const MeasuredLinks links(graph, equations.arms(), measured);
   const Eigen::VectorXd unstretched = Eigen::VectorXd::Zero(graph.edges().cols());
-  std::vector<Response> changes(3 * kDraws);
+  std::vector<Response> changes(2 * kDraws);
   std::array<double, kDraws> by_noise{}, by_strain{};  // mean squares of the stretch of links
   parallel_for(kDraws, [&](std::size_t draw) {
     std::mt19937_64 random(draw);
@@ -322,8 +324,6 @@ std::vector<Response> random_changes(const DeformationGraph& graph,
     Response& of_strain = changes[kDraws + draw];
     const Eigen::VectorXd stretch = random_stretch(graph, random);
     of_strain = equations.response_to_links(-stretch);
-    changes[2 * kDraws + draw] =
-        equations.response_to_moves(random_motion(graph, fitted.motions, fitted.reach, random));
     if (links.empty()) return;
     by_noise[draw] = links.square_of(of_noise, fitted.scale, unstretched);
     by_strain[draw] = links.square_of(of_strain, fitted.scale, stretch);
@@ -339,8 +339,9 @@ std::vector<Response> random_changes(const DeformationGraph& graph,
   for (std::size_t draw = 0; draw < kDraws; ++draw) {
     changes[draw].moves /= std::sqrt(kDraws);
     changes[kDraws + draw].moves *= std::sqrt(strain / kDraws);
-    changes[2 * kDraws + draw].moves /= std::sqrt(kDraws);
   }
+  for (const Eigen::VectorXd& moves : rigid_motions(graph, fitted.motions, fitted.reach))
+    changes.push_back(equations.response_to_moves(moves));
   changes.push_back(equations.response_to_scale());
   return changes;
 }
@@ -368,7 +369,7 @@ VertexDeviations vertex_deviations(const DeformationGraph& graph, DeformationEqu
       equations.linearize(without_noise(graph, samples, fitted), fitted.stiffness, damping,
                           fitted.scale_is_free, fitted.scale, fitted.motions);
   if (!is_solved) return deviations;
-  const std::vector<Response> changes = random_changes(graph, equations, fitted, noise, measured);
+  const std::vector<Response> changes = changes_of(graph, equations, fitted, noise, measured);
   parallel_for(static_cast<int>(count), [&](int v) {
     if (reached[static_cast<std::size_t>(main_node(graph, v))] == 0) return;
     const auto nodes = graph.influences().col(v);
