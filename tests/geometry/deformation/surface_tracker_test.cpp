@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh_corpus.h"
 #include "palpate/core/error.h"
 #include "range_map_scene.h"
 #include "refusal.h"

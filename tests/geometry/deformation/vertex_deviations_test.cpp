@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "mesh_corpus.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/nonrigid_registration.h"
 #include "range_map_scene.h"
