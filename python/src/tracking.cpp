@@ -23,6 +23,13 @@ auto figure(Number TrackingFigures::*member) {
   return [member](const TrackedSurface& found) { return found.figures.*member; };
 }
 
+/// A property with a value at each vertex.
+auto vertex_values(Eigen::VectorXd geometry::DeformedSurface::*member) {
+  return [member](const py::object& self) {
+    return vector_view(self.cast<TrackedSurface&>().surface.*member, self);
+  };
+}
+
 void add_tracked_surface(py::module_& module) {
   py::class_<TrackedSurface>(module, "TrackedSurface", "The result of SurfaceTracker.track().")
       .def_readonly("lost", &TrackedSurface::lost,
@@ -34,24 +41,15 @@ void add_tracked_surface(py::module_& module) {
           },
           "[mm] (V, 3) vertices of the reference at their new places.")
       .def_property_readonly(
-          "distance",
-          [](const py::object& self) {
-            return vector_view(self.cast<TrackedSurface&>().surface.distance, self);
-          },
+          "distance", vertex_values(&geometry::DeformedSurface::distance),
           "[mm] (V,) signed distances from the measured surface, positive on the camera's side; "
           "NaN where nothing was measured.")
       .def_property_readonly(
-          "sigma_across",
-          [](const py::object& self) {
-            return vector_view(self.cast<TrackedSurface&>().surface.sigma_across, self);
-          },
+          "sigma_across", vertex_values(&geometry::DeformedSurface::sigma_across),
           "[mm] (V,) standard deviations of the errors along the normal; NaN in pieces of surface "
           "of which nothing is measured, and for vertices without triangles.")
       .def_property_readonly(
-          "sigma_along",
-          [](const py::object& self) {
-            return vector_view(self.cast<TrackedSurface&>().surface.sigma_along, self);
-          },
+          "sigma_along", vertex_values(&geometry::DeformedSurface::sigma_along),
           "[mm] (V,) the same along the surface; large where neither relief nor texture shows this "
           "motion.")
       .def_property_readonly("rms", figure(&TrackingFigures::rms),

@@ -33,8 +33,8 @@ class DeformationEquations {
   /// The scale of the whole surface that explains its motions best, at most by kMostScale.
   [[nodiscard]] double scale_of(const std::vector<Eigen::Isometry3d>& motions) const;
 
-  /// Moves the nodes by one step. `pairs`: one per sample. Returns the
-  /// motion of the nodes [mm] (RMS), with rotations measured at the spacing of the nodes.
+  /// Moves the nodes by one step. `pairs`: one per sample. Returns the motion of the nodes [mm]
+  /// (RMS), with rotations measured at the spacing of the nodes.
   /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
   /// \param hold  with which nodes are held where they are in the graph

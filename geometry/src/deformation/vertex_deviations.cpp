@@ -120,7 +120,6 @@ std::vector<PlanePair> without_noise(const DeformationGraph& graph, std::span<co
         {1, x, pair.normal, x * x.transpose(), pair.normal * x.transpose()}, pair.weight);
   }
   std::vector<NormalSums> around = sums;
-
   for (const auto& edge : graph.edges().colwise()) {
     around[static_cast<std::size_t>(edge[0])].add(sums[static_cast<std::size_t>(edge[1])],
                                                   kNeighbour);
