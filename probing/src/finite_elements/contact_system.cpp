@@ -71,6 +71,33 @@ FaceNodes face_nodes(const Eigen::Matrix3Xd& positions, const BoundaryFace& face
   return result;
 }
 
+// A quadratic face lies within the convex hull of these points.
+FaceNodes control_points(const FaceNodes& nodes) {
+  FaceNodes result = nodes;
+  for (int a = 0; a < 3; ++a)
+    result.col(3 + a) = 2 * nodes.col(3 + a) - (nodes.col(a) + nodes.col((a + 1) % 3)) / 2;
+  return result;
+}
+
+// Whether a plane separates a face from the ball around the origin. Gilbert's iteration looks for
+// the nearest point of the hull; where it does not reach it, a face counts as near.
+bool is_beyond(const FaceNodes& nodes, double radius) {
+  constexpr int kSteps = 4;
+  const FaceNodes hull = control_points(nodes);
+  Eigen::Index index = 0;
+  hull.colwise().squaredNorm().minCoeff(&index);
+  Eigen::Vector3d nearest = hull.col(index);
+  for (int step = 0; step < kSteps; ++step) {
+    const double support = (nearest.transpose() * hull).minCoeff(&index);
+    if (support >= radius * nearest.norm()) return true;
+    const Eigen::Vector3d way = hull.col(index) - nearest;
+    const double length = way.squaredNorm();
+    if (length == 0) return false;
+    nearest += std::clamp(-nearest.dot(way) / length, 0.0, 1.0) * way;
+  }
+  return false;
+}
+
 constexpr double kPointSpacing = 0.25;  // [tip radii] side of the parts of a face, at most
 constexpr int kFinest = 16;             // parts along the side of a face, at most
 
@@ -185,9 +212,7 @@ void ContactSystem::add_tip(const Eigen::Matrix3Xd& positions, const Eigen::Vect
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const ContactFace& face = faces_[f];
     const FaceNodes nodes = face_nodes(positions, face.face).colwise() - tip;
-    // Even a stretched face has a node nearer than twice its size to each of its points.
-    const double nearest = std::sqrt(nodes.colwise().squaredNorm().minCoeff());
-    if (nearest > options_.tip_radius + 2 * face.reach) continue;
+    if (is_beyond(nodes, options_.tip_radius)) continue;
     const FaceNodes before = face_nodes(start.positions, face.face).colwise() - start.tip;
     const TipLaw law{options_.tip_radius, options_.friction, face.stiffness, face.stiffness};
     for (Eigen::Index p = 0; p < face.weights.size(); ++p) {
