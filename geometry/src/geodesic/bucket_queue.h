@@ -45,7 +45,7 @@ class BucketQueue {
   static constexpr double kMost = 1 << 20;  ///< buckets; the last one takes the rest
 
   void close() {
-    buckets_[nearest_++].clear();
+    std::vector<Event>().swap(buckets_[nearest_++]);
     next_ = 0;
   }
 

@@ -140,4 +140,10 @@ double EdgeWindows::add(int edge, const Window& window) {
   return least;
 }
 
+void EdgeWindows::finish(int edge, bool keep) {
+  if (!keep) of(edge).clear();
+  of(edge).shrink_to_fit();
+  finished_[static_cast<size_t>(edge)] = 1;
+}
+
 }  // namespace palpate::geometry

@@ -43,7 +43,7 @@ struct Window {
 /// For each edge, the windows that are nearest at some place, sorted and without overlap.
 class EdgeWindows {
  public:
-  explicit EdgeWindows(size_t edge_count) : of_edge_(edge_count) {}
+  explicit EdgeWindows(size_t edge_count) : of_edge_(edge_count), finished_(edge_count, 0) {}
 
   [[nodiscard]] std::vector<Window>& of(int edge) { return of_edge_[static_cast<size_t>(edge)]; }
   [[nodiscard]] const std::vector<Window>& of(int edge) const {
@@ -55,13 +55,20 @@ class EdgeWindows {
   /// \return the least distance in the added parts; infinite if there are none.
   double add(int edge, const Window& window);
 
+  /// Nothing will be added to an edge any more. \param keep whether its windows are still needed
+  void finish(int edge, bool keep);
+  [[nodiscard]] bool is_finished(int edge) const {
+    return finished_[static_cast<size_t>(edge)] != 0;
+  }
+
  private:
   void append(const Window& window, double begin, double end, int index);
   void append_nearer(const Window& known, int index, const Window& added, double begin, double end);
 
   std::vector<std::vector<Window>> of_edge_;
-  std::vector<Window> parts_;  ///< scratch: what replaces the windows that overlap the one added
-  int last_ = 0;               ///< index of the window of the last part
+  std::vector<char> finished_;  ///< of each edge
+  std::vector<Window> parts_;   ///< scratch: what replaces the windows that overlap the one added
+  int last_ = 0;                ///< index of the window of the last part
   bool is_added_ = false;
 };
 

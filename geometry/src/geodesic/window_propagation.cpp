@@ -80,18 +80,20 @@ bool WindowPropagation::step() {
   const std::optional<Arrival> arrival = arrivals_.pop();
   if (!arrival) return false;
   if (arrival->distance > stop_radius_) return true;
-  if (arrival->vertex != kNone) {
-    if (arrival->distance == distance(arrival->vertex)) spread(arrival->vertex);
-    return true;
+  if (arrival->at == ArrivalAt::vertex) {
+    if (arrival->distance == distance(arrival->index)) spread(arrival->index);
+  } else if (arrival->at == ArrivalAt::whole_edge) {
+    windows_.finish(arrival->index, keeps_windows_);
+  } else if (double& expected = expected_[static_cast<size_t>(arrival->index)];
+             arrival->distance == expected) {
+    expected = kInfinity;
+    pass_on(arrival->index, arrival->distance + together_);
   }
-  double& expected = expected_[static_cast<size_t>(arrival->half_edge)];
-  if (arrival->distance != expected) return true;
-  expected = kInfinity;
-  pass_on(arrival->half_edge, arrival->distance + together_);
   return true;
 }
 
 void WindowPropagation::run(const std::function<void(int done, int total)>& progress) {
+  keeps_windows_ = false;
   constexpr std::size_t kSteps = 4096;  // between two calls
   const int total = static_cast<int>(distance_.size());
   for (std::size_t i = 1; step(); ++i) {
@@ -125,22 +127,38 @@ void WindowPropagation::run_to(std::span<const SurfacePoint> targets) {
 bool WindowPropagation::improve(int vertex, double distance, int source) {
   double& known = distance_[static_cast<size_t>(vertex)];
   if (!(distance < known)) return false;
-  if (known == kInfinity) ++reached_;
+  const bool is_first = known == kInfinity;
   known = distance;
   source_[static_cast<size_t>(vertex)] = source;
+  if (is_first) {
+    ++reached_;
+    expect_edges_at(vertex);
+  }
   return true;
 }
 
 void WindowPropagation::reach(int vertex, double distance, int source) {
   if (!improve(vertex, distance, source) || bends_[static_cast<size_t>(vertex)] == 0) return;
-  arrivals_.push({.distance = distance, .half_edge = kNone, .vertex = vertex});
+  arrivals_.push({.distance = distance, .index = vertex, .at = ArrivalAt::vertex});
 }
 
 void WindowPropagation::expect(int half_edge, double distance) {
   double& expected = expected_[static_cast<size_t>(half_edge)];
   if (!(distance < expected)) return;
   expected = distance;
-  arrivals_.push({.distance = distance, .half_edge = half_edge, .vertex = kNone});
+  arrivals_.push({.distance = distance, .index = half_edge, .at = ArrivalAt::half_edge});
+}
+
+/// Each edge whose other end is reached: all of it is as near as by the better of its ends. What is
+/// passed on in later buckets is farther. Edges of the border have no windows.
+void WindowPropagation::expect_edges_at(int vertex) {
+  for (const int h : flat_.from(vertex)) {
+    const double there = distance(flat_[next_half_edge(h)].start);
+    if (there == kInfinity) continue;
+    const double farthest = (distance(vertex) + there + flat_[h].length) / 2;
+    arrivals_.push(
+        {.distance = farthest + together_, .index = flat_[h].edge, .at = ArrivalAt::whole_edge});
+  }
 }
 
 /// Starts from a point in a triangle that is not one of its vertices.
@@ -187,8 +205,8 @@ void WindowPropagation::leave(int half_edge, const Eigen::Vector2d& point, doubl
 
 /// Adds a window on a half-edge, in the direction of the half-edge, that leaves the triangle.
 void WindowPropagation::add(int h, const Window& window) {
-  if (!(window.begin < window.end)) return;
   const FlatHalfEdge& half_edge = flat_[h];
+  if (!(window.begin < window.end) || windows_.is_finished(half_edge.edge)) return;
   const int first = half_edge.start;
   const int second = flat_[next_half_edge(h)].start;
   const double before = window.begin;

@@ -29,7 +29,8 @@ class WindowPropagation {
 
   void start(const SurfacePoint& at, int source);
 
-  /// Passes all windows on, up to the radius.
+  /// Passes all windows on, up to the radius. Windows that no later path can replace are dropped,
+  /// so memory grows with the wave front, not with the mesh.
   /// \param progress see `GeodesicOptions`; may be empty.
   void run(const std::function<void(int done, int total)>& progress);
 
@@ -43,11 +44,15 @@ class WindowPropagation {
   [[nodiscard]] const std::vector<Window>& windows(int edge) const { return windows_.of(edge); }
 
  private:
-  /// A half-edge with windows to be passed on, or a vertex at which paths bend.
+  enum class ArrivalAt {
+    half_edge,  ///< which has windows to be passed on
+    vertex,     ///< at which paths bend
+    whole_edge  ///< to which nothing nearer can come
+  };
   struct Arrival {
     double distance;
-    int half_edge;  ///< or kNone
-    int vertex;     ///< or kNone
+    int index;
+    ArrivalAt at;
   };
 
   /// Takes the next arrival. \return whether there was one
@@ -56,6 +61,7 @@ class WindowPropagation {
   bool improve(int vertex, double distance, int source);
   void reach(int vertex, double distance, int source);
   void expect(int half_edge, double distance);
+  void expect_edges_at(int vertex);
   void start_in(int triangle, const Eigen::Vector3d& weights, int source);
   void spread(int vertex);
   void leave(int half_edge, const Eigen::Vector2d& point, double start, int source);
@@ -76,6 +82,7 @@ class WindowPropagation {
   std::vector<int> source_;       ///< of each vertex
   std::vector<char> bends_;       ///< whether paths can bend at a vertex
   EdgeWindows windows_;
+  bool keeps_windows_ = true;
   std::vector<double> expected_;  ///< of each half-edge: distance of the arrival that counts
   BucketQueue<Arrival> arrivals_;
 };
