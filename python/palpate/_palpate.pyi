@@ -182,6 +182,9 @@ class WindingNumber(metaclass=_Class):
     def at(self, points: _Numbers, *, tolerance: float = ...) -> _Float64: ...
     def contains(self, points: _Numbers) -> _Bool: ...
 
+class GeodesicSurface(metaclass=_Class):
+    def __init__(self, mesh: TriangleMesh) -> None: ...
+
 class GeodesicDistance(_Result):
     @property
     def distance(self) -> _Float64: ...
@@ -189,7 +192,7 @@ class GeodesicDistance(_Result):
     def label(self) -> _Int32: ...
 
 def geodesic_distance(
-    mesh: TriangleMesh,
+    mesh: TriangleMesh | GeodesicSurface,
     sources: _Numbers | ClosestPoints,
     *,
     method: Literal["fast_marching", "exact"] = ...,
@@ -209,10 +212,12 @@ class GeodesicPath(_Result):
     def source(self) -> int: ...
 
 def shortest_paths(
-    mesh: TriangleMesh, sources: _Numbers | ClosestPoints, targets: _Numbers | ClosestPoints
+    mesh: TriangleMesh | GeodesicSurface,
+    sources: _Numbers | ClosestPoints,
+    targets: _Numbers | ClosestPoints,
 ) -> list[GeodesicPath | None]: ...
 def straighten_path(
-    mesh: TriangleMesh, path: GeodesicPath | Sequence[GeodesicPath] | _Numbers
+    mesh: TriangleMesh | GeodesicSurface, path: GeodesicPath | Sequence[GeodesicPath] | _Numbers
 ) -> GeodesicPath: ...
 
 class Comparison(_Result):

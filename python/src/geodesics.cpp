@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "arrays.h"
@@ -20,35 +21,40 @@ using geometry::ClosestPoints;
 using geometry::GeodesicDistance;
 using geometry::GeodesicMethod;
 using geometry::GeodesicPath;
+using geometry::GeodesicSurface;
 using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
 /// Places on a mesh: closest points, or vertices by their indices.
 std::vector<SurfacePoint> surface_points(const TriangleMesh& mesh, const py::object& places,
                                          const char* name) {
-  std::vector<SurfacePoint> points;
   if (py::isinstance<ClosestPoints>(places)) {
+    std::vector<SurfacePoint> points;
     const auto& given = places.cast<const ClosestPoints&>();
     for (Eigen::Index i = 0; i < given.triangles.size(); ++i)
       points.push_back({given.triangles[i], given.barycentric.col(i)});
     return points;
   }
   const py::array_t<int> vertices = indices(places, name, 1);
-  check_mesh(mesh, name);
-  const std::vector<SurfacePoint> all = vertex_points(mesh);
-  for (py::ssize_t i = 0; i < vertices.size(); ++i) {
-    const auto vertex = static_cast<std::size_t>(vertices.at(i));
-    const std::string place = std::string(name) + "[" + std::to_string(i) + "]";
-    if (vertex >= all.size()) {
-      throw InvalidInput(place + " is " + std::to_string(vertex) + "; the mesh has " +
-                         std::to_string(all.size()) + " vertices");
-    }
-    if (all[vertex].triangle < 0)
-      throw InvalidInput(place + " is vertex " + std::to_string(vertex) +
-                         ", which is in no triangle");
-    points.push_back(all[vertex]);
-  }
-  return points;
+  return vertex_points(mesh, {vertices.data(), static_cast<std::size_t>(vertices.size())}, name);
+}
+
+/// A mesh for one call, or one that is prepared for several.
+using GivenSurface = std::variant<const TriangleMesh*, const GeodesicSurface*>;
+
+/// \throws InvalidInput if a mesh is not valid.
+GeodesicSurface surface_of(const GivenSurface& given) {
+  return std::visit([](const auto* mesh) { return GeodesicSurface(*mesh); }, given);
+}
+
+void add_surface(py::module_& module) {
+  py::class_<GeodesicSurface>(
+      module, "GeodesicSurface",
+      R"(A mesh with what distances and paths on it need, for several calls on one mesh.
+
+Pass it in place of the mesh to geodesic_distance, shortest_paths and straighten_path. It has a copy
+of the mesh. Raises InvalidInput if the mesh is not valid.)")
+      .def(py::init<const TriangleMesh&>(), arg("mesh"));
 }
 
 void add_distances(py::module_& module) {
@@ -67,18 +73,19 @@ void add_distances(py::module_& module) {
           "(V,) int32 index of the nearest source (its Voronoi cell); -1 if not reached.");
   module.def(
       "geodesic_distance",
-      [](const TriangleMesh& mesh, const py::object& sources, const std::string& method,
+      [](const GivenSurface& mesh, const py::object& sources, const std::string& method,
          double stop_radius) {
+        const GeodesicSurface surface = surface_of(mesh);
         const geometry::GeodesicOptions options{
             .method = choose<GeodesicMethod>("method", method,
                                              {{"fast_marching", GeodesicMethod::fast_marching},
                                               {"exact", GeodesicMethod::exact}}),
             .stop_radius = stop_radius};
-        const std::vector<SurfacePoint> points = surface_points(mesh, sources, "sources");
+        const std::vector<SurfacePoint> points = surface_points(surface.mesh(), sources, "sources");
         const Unlocked unlocked;
-        return geometry::geodesic_distance(mesh, points, options);
+        return geometry::geodesic_distance(surface, points, options);
       },
-      arg("mesh"), arg("sources"), kw_only(), arg("method") = "fast_marching",
+      arg("mesh").none(false), arg("sources"), kw_only(), arg("method") = "fast_marching",
       arg("stop_radius") = std::numeric_limits<double>::infinity(),
       R"(Distance along the surface of each vertex to the nearest of several sources.
 
@@ -159,18 +166,21 @@ void add_paths(py::module_& module) {
       .def_readonly("source", &PathArrays::source, "Index of the source at which it begins.");
   module.def(
       "shortest_paths",
-      [](const TriangleMesh& mesh, const py::object& sources, const py::object& targets) {
+      [](const GivenSurface& given, const py::object& sources, const py::object& targets) {
+        const GeodesicSurface surface = surface_of(given);
+        const TriangleMesh& mesh = surface.mesh();
         const std::vector<SurfacePoint> from = surface_points(mesh, sources, "sources");
         const std::vector<SurfacePoint> to = surface_points(mesh, targets, "targets");
         const Unlocked unlocked;
         std::vector<std::optional<PathArrays>> paths;
-        for (const std::optional<GeodesicPath>& path : geometry::shortest_paths(mesh, from, to)) {
+        for (const std::optional<GeodesicPath>& path :
+             geometry::shortest_paths(surface, from, to)) {
           paths.emplace_back();
           if (path) paths.back() = arrays_of(mesh, *path);
         }
         return paths;
       },
-      arg("mesh"), arg("sources"), arg("targets"),
+      arg("mesh").none(false), arg("sources"), arg("targets"),
       R"(The shortest path along the surface to each target, from the source nearest to it; exact.
 
 sources, targets: (N,) indices of vertices, or ClosestPoints of this mesh.
@@ -178,12 +188,13 @@ Returns a list with a GeodesicPath for each target; None where no source is conn
 Raises InvalidInput, or SolverError if triangles are too thin. Ctrl-C is not heard.)");
   module.def(
       "straighten_path",
-      [](const TriangleMesh& mesh, const py::object& path) {
-        const std::vector<SurfacePoint> way = way_of(mesh, path);
+      [](const GivenSurface& mesh, const py::object& path) {
+        const GeodesicSurface surface = surface_of(mesh);
+        const std::vector<SurfacePoint> way = way_of(surface.mesh(), path);
         const Unlocked unlocked;
-        return arrays_of(mesh, geometry::straighten_path(mesh, way));
+        return arrays_of(surface.mesh(), geometry::straighten_path(surface, way));
       },
-      arg("mesh"), arg("path"),
+      arg("mesh").none(false), arg("path"),
       R"(Pulls a path tight between its ends, without leaving the side of holes and handles it is on.
 
 path: a GeodesicPath, a list of several that follow each other, or (N,) indices of vertices that are
@@ -195,6 +206,7 @@ heard.)");
 }  // namespace
 
 void add_geodesics(py::module_& module) {
+  add_surface(module);
   add_distances(module);
   add_paths(module);
 }

@@ -142,6 +142,21 @@ class Surfaces(unittest.TestCase):
         np.testing.assert_array_equal(np.isfinite(near.distance), near.label == 0)
         self.assertLess(near.distance[np.isfinite(near.distance)].max(), 3.5)
 
+    def test_a_prepared_mesh_gives_what_the_mesh_gives(self):
+        mesh = grid(31, 21, 0.5)
+        surface = palpate.GeodesicSurface(mesh)
+        for method in ("fast_marching", "exact"):
+            for source in (0, 200):
+                np.testing.assert_array_equal(
+                    palpate.geodesic_distance(surface, [source], method=method).distance,
+                    palpate.geodesic_distance(mesh, [source], method=method).distance,
+                )
+        (path,) = palpate.shortest_paths(surface, [0], [300])
+        self.assertEqual(path.length, palpate.shortest_paths(mesh, [0], [300])[0].length)
+        self.assertAlmostEqual(palpate.straighten_path(surface, path).length, path.length)
+        with self.assertRaises(TypeError):
+            palpate.geodesic_distance(None, [0])
+
     def test_sources_may_lie_anywhere_on_the_surface(self):
         mesh = grid(11, 11)
         places = palpate.SurfaceQuery(mesh).closest_points([[2.3, 4.1, 0], [8.6, 5.2, 0]])

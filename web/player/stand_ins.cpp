@@ -37,7 +37,7 @@ SurfaceWeights project_weights(const TriangleMesh& /*surface*/, const TriangleMe
   throw Unavailable("");
 }
 
-GeodesicDistance exact_geodesic_distance(const TriangleMesh& /*mesh*/,
+GeodesicDistance exact_geodesic_distance(const GeodesicSurface& /*surface*/,
                                          std::span<const SurfacePoint> /*sources*/,
                                          const GeodesicOptions& /*options*/) {
   throw Unavailable("");

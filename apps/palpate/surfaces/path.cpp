@@ -61,16 +61,16 @@ class Places {
 };
 
 /// The path through some places, then straightened between its ends.
-std::optional<GeodesicPath> path_via(const TriangleMesh& mesh,
+std::optional<GeodesicPath> path_via(const geometry::GeodesicSurface& surface,
                                      const std::vector<SurfacePoint>& places) {
   std::vector<SurfacePoint> way = {places.front()};
   for (std::size_t i = 1; i < places.size(); ++i) {
     const auto part =
-        geometry::shortest_paths(mesh, std::span(&places[i - 1], 1), std::span(&places[i], 1));
+        geometry::shortest_paths(surface, std::span(&places[i - 1], 1), std::span(&places[i], 1));
     if (!part.front()) return std::nullopt;
     way.insert(way.end(), part.front()->points.begin(), part.front()->points.end());
   }
-  return geometry::straighten_path(mesh, way);
+  return geometry::straighten_path(surface, way);
 }
 
 void write_paths(const fs::path& output, const TriangleMesh& mesh,

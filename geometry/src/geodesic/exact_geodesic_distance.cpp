@@ -3,26 +3,27 @@
 #include <vector>
 
 #include "base/numbers.h"
-#include "geodesic/flat_triangles.h"
 #include "geodesic/geodesic_methods.h"
+#include "geodesic/geodesic_surface_data.h"
 #include "geodesic/window_propagation.h"
 
 namespace palpate::geometry {
 
-GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
+GeodesicDistance exact_geodesic_distance(const GeodesicSurface& surface,
                                          std::span<const SurfacePoint> sources,
                                          const GeodesicOptions& options) {
   const double stop_radius = options.stop_radius;
-  const double unit = power_of_two_unit(mesh);
-  const FlatTriangles flat = flat_triangles(mesh, unit);
+  const FlatTriangles& flat = surface.impl().flat();
+  const double unit = flat.unit;
   WindowPropagation propagation(flat, stop_radius * unit);
   for (size_t i = 0; i < sources.size(); ++i) {
     propagation.start(sources[i], static_cast<int>(i));
   }
   propagation.run(options.progress);
-  GeodesicDistance geodesic{.distance = Eigen::VectorXd::Constant(mesh.vertices.cols(), kInfinity),
-                            .label = Eigen::VectorXi::Constant(mesh.vertices.cols(), kNone)};
-  for (int v = 0; v < mesh.vertices.cols(); ++v) {
+  const Eigen::Index count = surface.mesh().vertices.cols();
+  GeodesicDistance geodesic{.distance = Eigen::VectorXd::Constant(count, kInfinity),
+                            .label = Eigen::VectorXi::Constant(count, kNone)};
+  for (int v = 0; v < count; ++v) {
     const double distance = propagation.distance(v) / unit;
     if (!(distance <= stop_radius) || distance == kInfinity) continue;
     geodesic.distance[v] = distance;

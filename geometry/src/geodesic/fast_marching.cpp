@@ -12,7 +12,7 @@
 
 #include "base/numbers.h"
 #include "geodesic/bucket_queue.h"
-#include "mesh/triangle_fans.h"
+#include "geodesic/geodesic_surface_data.h"
 
 namespace palpate::geometry {
 namespace {
@@ -146,10 +146,12 @@ std::vector<double> distances_along_edges(const TriangleMesh& mesh, const Triang
 /// does not affect the result, except for the circles at the edge of a corner's shadow.
 class March {
  public:
-  March(const TriangleMesh& mesh, std::span<const SurfacePoint> sources, double stop_radius)
+  /// Mesh and fans must outlive the march.
+  March(const TriangleMesh& mesh, const TriangleFans& fans, std::span<const SurfacePoint> sources,
+        double stop_radius)
       : mesh_(mesh),
         stop_radius_(stop_radius),
-        fans_(triangle_fans(mesh)),
+        fans_(fans),
         events_(kBucketWidth * mean(fans_.longest)),
         arrivals_(fans_.longest.size()),
         nearest_{.distance = Eigen::VectorXd::Constant(mesh.vertices.cols(), kInfinity),
@@ -268,7 +270,7 @@ class March {
 
   const TriangleMesh& mesh_;
   double stop_radius_;
-  TriangleFans fans_;
+  const TriangleFans& fans_;
   BucketQueue<Event> events_;
   std::vector<Arrival> arrivals_;  ///< of each vertex
   std::vector<double> farthest_;   ///< of each vertex: waves farther than this end before it
@@ -291,9 +293,9 @@ std::vector<int> neighbours_in_succession(std::span<const SurfacePoint> sources)
 
 }  // namespace
 
-GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
+GeodesicDistance fast_marching_distance(const GeodesicSurface& surface,
                                         std::span<const SurfacePoint> sources, double stop_radius) {
-  March march(mesh, sources, stop_radius);
+  March march(surface.mesh(), surface.impl().fans(), sources, stop_radius);
   for (const int i : neighbours_in_succession(sources)) {
     march.run(sources[static_cast<size_t>(i)], i);
   }
@@ -303,7 +305,8 @@ GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
 void grow_distances(
     const TriangleMesh& mesh,
     const std::function<std::optional<SurfacePoint>(const Eigen::VectorXd& distances)>& next) {
-  March march(mesh, {}, kInfinity);
+  const TriangleFans fans = triangle_fans(mesh);
+  March march(mesh, fans, {}, kInfinity);
   for (int source = 0;; ++source) {
     const std::optional<SurfacePoint> at = next(march.nearest().distance);
     if (!at) return;

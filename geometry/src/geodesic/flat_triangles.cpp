@@ -5,11 +5,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 
 #include "base/numbers.h"
 #include "palpate/core/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
@@ -18,6 +20,13 @@ namespace {
 /// Paths bend at a vertex iff the angle of the surface there exceeds a full one (a straight one on
 /// the border) by this fraction. A smaller excess changes a length by no more than this fraction.
 constexpr double kExcessAngle = 1e-12;
+
+double power_of_two_unit(const TriangleMesh& mesh) {
+  const Eigen::AlignedBox3d box = bounding_box(mesh);
+  const double largest =
+      std::max(box.max().cwiseMax(-box.min()).maxCoeff(), std::numeric_limits<double>::min());
+  return std::exp2(-std::ilogb(largest));
+}
 
 void refuse_triangles_without_area(const TriangleMesh& mesh) {
   const Eigen::Matrix3Xd normals = triangle_normals(mesh);
@@ -76,16 +85,17 @@ bool bends_at(const FlatTriangles& flat, std::span<const int> leaving) {
 
 }  // namespace
 
-FlatTriangles flat_triangles(const TriangleMesh& mesh, double unit) {
+FlatTriangles flat_triangles(const TriangleMesh& mesh) {
   refuse_triangles_without_area(mesh);
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
   FlatTriangles flat;
+  flat.unit = power_of_two_unit(mesh);
   flat.half_edges.resize(static_cast<size_t>(mesh.triangles.size()));
   double sum = 0;
   for (int h = 0; h < mesh.triangles.size(); ++h) {
     const int k = h % 3;
     const auto corner = [&](int i) -> Eigen::Vector3d {
-      return unit * mesh.vertices.col(mesh.triangles((k + i) % 3, h / 3));
+      return flat.unit * mesh.vertices.col(mesh.triangles((k + i) % 3, h / 3));
     };
     const Eigen::Vector3d edge = corner(1) - corner(0);
     FlatHalfEdge& half_edge = flat.half_edges[static_cast<size_t>(h)];

@@ -30,6 +30,7 @@ struct FlatHalfEdge {
 struct FlatTriangles {
   std::vector<FlatHalfEdge> half_edges;
   int edge_count = 0;
+  double unit = 1;  ///< lengths here are this times those of the mesh
   double mean_length = 0;
   std::vector<int> first_leaving;  ///< V + 1: index of each vertex's first half-edge in `leaving`
   std::vector<int> leaving;        ///< half-edges by the vertex at which they start
@@ -54,8 +55,9 @@ struct FlatTriangles {
 /// windows; paths may bend there to fill them.
 inline constexpr double kClose = 1e-6;
 
-/// Lays the triangles in the plane, scaled by `unit`.
+/// Lays the triangles in the plane, scaled by a power of two that brings the largest coordinate
+/// near one, so that squares neither over- nor underflow.
 /// \throws InvalidInput as `opposite_half_edges`, or naming a triangle without area.
-[[nodiscard]] FlatTriangles flat_triangles(const TriangleMesh& mesh, double unit);
+[[nodiscard]] FlatTriangles flat_triangles(const TriangleMesh& mesh);
 
 }  // namespace palpate::geometry

@@ -10,21 +10,21 @@
 
 namespace palpate::geometry {
 
-GeodesicDistance geodesic_distance(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
+GeodesicDistance geodesic_distance(const GeodesicSurface& surface,
+                                   std::span<const SurfacePoint> sources,
                                    const GeodesicOptions& options) {
   require("GeodesicOptions::stop_radius", options.stop_radius, above(0), "mm");
-  check_mesh(mesh, "geodesic_distance");
   if (sources.empty()) {
     throw InvalidInput("geodesic_distance: there is no source; pass at least one");
   }
   for (size_t i = 0; i < sources.size(); ++i) {
     const std::string what = "geodesic_distance: source " + std::to_string(i);
-    check_surface_point(mesh, sources[i], what.c_str());
+    check_surface_point(surface.mesh(), sources[i], what.c_str());
   }
   if (options.method == GeodesicMethod::exact) {
-    return exact_geodesic_distance(mesh, sources, options);
+    return exact_geodesic_distance(surface, sources, options);
   }
-  return fast_marching_distance(mesh, sources, options.stop_radius);
+  return fast_marching_distance(surface, sources, options.stop_radius);
 }
 
 }  // namespace palpate::geometry

@@ -10,16 +10,16 @@
 
 namespace palpate::geometry {
 
-/// Implements `geodesic_distance` for GeodesicMethod::fast_marching. Precondition: mesh, sources
-/// and radius are valid.
-[[nodiscard]] GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
+/// Implements `geodesic_distance` for GeodesicMethod::fast_marching. Precondition: sources and
+/// radius are valid.
+[[nodiscard]] GeodesicDistance fast_marching_distance(const GeodesicSurface& surface,
                                                       std::span<const SurfacePoint> sources,
                                                       double stop_radius);
 
-/// Implements `geodesic_distance` for GeodesicMethod::exact. Precondition: mesh, sources and
-/// options are valid.
+/// Implements `geodesic_distance` for GeodesicMethod::exact. Precondition: sources and options are
+/// valid.
 /// \throws InvalidInput naming a triangle without area, or an edge that is not manifold.
-[[nodiscard]] GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
+[[nodiscard]] GeodesicDistance exact_geodesic_distance(const GeodesicSurface& surface,
                                                        std::span<const SurfacePoint> sources,
                                                        const GeodesicOptions& options);
 

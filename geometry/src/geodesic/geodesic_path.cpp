@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "geodesic/geodesic_surface_data.h"
 #include "geodesic/straight_strip.h"
 #include "geodesic/window_propagation.h"
 #include "geodesic/window_trace.h"
@@ -37,15 +38,13 @@ GeodesicPath straightened(const FlatTriangles& flat, std::span<const SurfacePoin
 
 }  // namespace
 
-std::vector<std::optional<GeodesicPath>> shortest_paths(const TriangleMesh& mesh,
+std::vector<std::optional<GeodesicPath>> shortest_paths(const GeodesicSurface& surface,
                                                         std::span<const SurfacePoint> sources,
                                                         std::span<const SurfacePoint> targets) {
-  check_mesh(mesh, "shortest_paths");
   if (sources.empty()) throw InvalidInput("shortest_paths: there is no source; pass at least one");
-  check_points(mesh, sources, "shortest_paths: source");
-  check_points(mesh, targets, "shortest_paths: target");
-  const double unit = power_of_two_unit(mesh);
-  const FlatTriangles flat = flat_triangles(mesh, unit);
+  check_points(surface.mesh(), sources, "shortest_paths: source");
+  check_points(surface.mesh(), targets, "shortest_paths: target");
+  const FlatTriangles& flat = surface.impl().flat();
   WindowPropagation propagation(flat, kInfinity);
   for (size_t i = 0; i < sources.size(); ++i) propagation.start(sources[i], static_cast<int>(i));
   propagation.run_to(targets);
@@ -64,23 +63,22 @@ std::vector<std::optional<GeodesicPath>> shortest_paths(const TriangleMesh& mesh
                         " is lost in rounding; the mesh has triangles that are too thin, remove "
                         "them");
     }
-    path.length /= unit;
+    path.length /= flat.unit;
     path.source = back.source;
     paths.emplace_back(std::move(path));
   }
   return paths;
 }
 
-GeodesicPath straighten_path(const TriangleMesh& mesh, std::span<const SurfacePoint> path) {
-  check_mesh(mesh, "straighten_path");
+GeodesicPath straighten_path(const GeodesicSurface& surface, std::span<const SurfacePoint> path) {
   if (path.size() < 2) {
     throw InvalidInput("straighten_path: the path has " + std::to_string(path.size()) +
                        " points; pass at least its two ends");
   }
-  check_points(mesh, path, "straighten_path: point");
-  const double unit = power_of_two_unit(mesh);
-  GeodesicPath straight = straightened(flat_triangles(mesh, unit), path);
-  straight.length /= unit;
+  check_points(surface.mesh(), path, "straighten_path: point");
+  const FlatTriangles& flat = surface.impl().flat();
+  GeodesicPath straight = straightened(flat, path);
+  straight.length /= flat.unit;
   return straight;
 }
 

@@ -5,10 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
-
-#include "palpate/geometry/mesh_measures.h"
 
 namespace palpate::geometry {
 namespace {
@@ -34,13 +31,6 @@ double hit(double place, double along, double height, const Eigen::Vector2d& dir
 }
 
 }  // namespace
-
-double power_of_two_unit(const TriangleMesh& mesh) {
-  const Eigen::AlignedBox3d box = bounding_box(mesh);
-  const double largest =
-      std::max(box.max().cwiseMax(-box.min()).maxCoeff(), std::numeric_limits<double>::min());
-  return std::exp2(-std::ilogb(largest));
-}
 
 WindowPropagation::WindowPropagation(const FlatTriangles& flat, double stop_radius)
     : flat_(flat),

@@ -15,10 +15,6 @@
 
 namespace palpate::geometry {
 
-/// A power of two that brings the largest coordinate near one, so that squares neither over- nor
-/// underflow.
-[[nodiscard]] double power_of_two_unit(const TriangleMesh& mesh);
-
 /// The windows of all sources on the mesh (Mitchell, Mount and Papadimitriou 1987), passed on in
 /// buckets of the distance. What comes too early is corrected later, so the order has no effect on
 /// the result beyond rounding.

@@ -89,6 +89,23 @@ std::vector<SurfacePoint> vertex_points(const TriangleMesh& mesh) {
   return points;
 }
 
+std::vector<SurfacePoint> vertex_points(const TriangleMesh& mesh, std::span<const int> vertices,
+                                        const char* what) {
+  check_mesh(mesh, what);
+  const std::vector<SurfacePoint> all = vertex_points(mesh);
+  std::vector<SurfacePoint> points;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const auto vertex = static_cast<std::size_t>(vertices[i]);
+    std::string name = what;
+    name.append("[").append(std::to_string(i)).append("] is ").append(std::to_string(vertices[i]));
+    if (vertex >= all.size())
+      throw InvalidInput(name + "; the mesh has " + std::to_string(all.size()) + " vertices");
+    if (all[vertex].triangle < 0) throw InvalidInput(name + ", a vertex in no triangle");
+    points.push_back(all[vertex]);
+  }
+  return points;
+}
+
 Eigen::Matrix3Xd triangle_normals(const TriangleMesh& mesh) {
   Eigen::Matrix3Xd normals(3, mesh.triangles.cols());
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {

@@ -82,7 +82,7 @@ std::vector<Eigen::Index> node_vertices(const geometry::DeformationGraph& graph)
 class Distances {
  public:
   Distances(const Model& model, const BlendedField& field, double reach)
-      : model_(model), field_(field), reach_(reach) {}
+      : model_(model), surface_(model.surface), field_(field), reach_(reach) {}
 
   const Eigen::VectorXd& from(std::size_t contact) {
     if (contact_ == contact) return distances_;
@@ -90,12 +90,13 @@ class Distances {
     const geometry::SurfacePoint place =
         field_.surface().closest_point(model_.contacts[contact].position).at;
     distances_ =
-        geometry::geodesic_distance(model_.surface, {&place, 1}, {.stop_radius = reach_}).distance;
+        geometry::geodesic_distance(surface_, {&place, 1}, {.stop_radius = reach_}).distance;
     return distances_;
   }
 
  private:
   const Model& model_;
+  geometry::GeodesicSurface surface_;
   const BlendedField& field_;
   double reach_;
   std::optional<std::size_t> contact_;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <vector>
 
-#include "palpate/geometry/mesh_measures.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -22,7 +21,7 @@ std::size_t window_count(const FlatTriangles& flat, const WindowPropagation& pro
 TEST(WindowPropagation, WithoutTargetsDropsAllWindowsAndKeepsTheDistances) {
   TriangleMesh sheet = test::flat_sheet(60, 50, 1.3);
   for (auto at : sheet.vertices.colwise()) at.z() = 4 * std::sin(at.x() / 7) * std::cos(at.y() / 5);
-  const FlatTriangles flat = flat_triangles(sheet, power_of_two_unit(sheet));
+  const FlatTriangles flat = flat_triangles(sheet);
   const std::vector<SurfacePoint> vertices = vertex_points(sheet);
   WindowPropagation dropping(flat, kInfinity), keeping(flat, kInfinity);
   for (WindowPropagation* propagation : {&dropping, &keeping}) {

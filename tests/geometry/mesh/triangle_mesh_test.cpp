@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/triangle_mesh.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <array>
 #include <limits>
 #include <string>
 
@@ -14,6 +15,8 @@
 
 namespace palpate::geometry {
 namespace {
+
+using ::testing::HasSubstr;
 
 /// About twenty double operations on values of the order of one.
 constexpr double kPositionRounding = 1e-14;
@@ -103,6 +106,18 @@ TEST(VertexPoints, LieOnTheirVertices) {
     EXPECT_EQ(points[v].barycentric.maxCoeff(), 1);
   }
   EXPECT_EQ(points.back().triangle, -1);
+
+  const std::vector<SurfacePoint> some = vertex_points(mesh, std::array{7, 0});
+  ASSERT_EQ(some.size(), 2U);
+  EXPECT_EQ(some[0].triangle, points[7].triangle);
+  EXPECT_EQ(some[0].barycentric, points[7].barycentric);
+  EXPECT_EQ(some[1].triangle, points[0].triangle);
+  const auto last = static_cast<int>(points.size()) - 1;
+  for (const int wrong : {-1, last, last + 1})
+    EXPECT_THAT(refusal([&] {
+                  return vertex_points(mesh, std::array{3, wrong}, "sources");
+                }),
+                HasSubstr("sources[1] is " + std::to_string(wrong)));
 }
 
 TEST(TriangleNormals, PointToTheSideFromWhichTheCornersRunCounterClockwise) {

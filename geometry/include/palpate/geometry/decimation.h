@@ -27,7 +27,8 @@ struct Decimation {
   TriangleMesh mesh;
   std::vector<int> source;  ///< input vertex of each vertex of `mesh`, ascending
   /// [mm] verified upper bound of the Hausdorff distance between `mesh` and the input, in both
-  /// directions and including the border. 0 if the input is returned.
+  /// directions and including the border. 0 if the input is returned. `hausdorff_distance` bounds
+  /// the same distance more loosely, by up to its `max_gap`.
   double distance = 0;
   int tries = 0;  ///< number of meshes that were made and checked
 };

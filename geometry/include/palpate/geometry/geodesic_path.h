@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/geometry/triangle_mesh.h"
+#include "palpate/geometry/geodesic_surface.h"
 
 namespace palpate::geometry {
 
@@ -32,7 +32,7 @@ struct GeodesicPath {
 /// is not on the mesh.
 /// \throws SolverError if triangles are so thin that a path is lost in rounding.
 [[nodiscard]] std::vector<std::optional<GeodesicPath>> shortest_paths(
-    const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
+    const GeodesicSurface& surface, std::span<const SurfacePoint> sources,
     std::span<const SurfacePoint> targets);
 
 /// Shortens a path between its ends until it is a geodesic: no shorter path is near it, and at each
@@ -45,10 +45,11 @@ struct GeodesicPath {
 /// flips of Sharp and Crane (2020), with the shortest path in the triangles that it passes in
 /// between (Lee and Preparata 1984).
 /// \param path  from one end to the other, >= 2 points; one triangle has each of them and the point
-///   after it, such as vertices along edges, or the points of `GeodesicPath`s joined at their ends.
+///   after it, such as the `vertex_points` of vertices along edges, or the points of
+///   `GeodesicPath`s joined at their ends.
 /// \throws InvalidInput as `shortest_paths`; if there are fewer than two points, or naming a point
 /// that is in no triangle of the one before it.
-[[nodiscard]] GeodesicPath straighten_path(const TriangleMesh& mesh,
+[[nodiscard]] GeodesicPath straighten_path(const GeodesicSurface& surface,
                                            std::span<const SurfacePoint> path);
 
 }  // namespace palpate::geometry

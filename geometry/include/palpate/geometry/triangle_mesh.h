@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>  // users need its cross products and boxes, which Eigen/Core only declares
+#include <span>
 #include <vector>
 
 #include "palpate/geometry/eigen_alignment.h"
@@ -45,6 +46,14 @@ void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, co
 /// Returns each of the V vertices as a place on the mesh, in the first triangle that has it. The
 /// triangle is -1 for a vertex without one.
 [[nodiscard]] std::vector<SurfacePoint> vertex_points(const TriangleMesh& mesh);
+
+/// Returns some of the vertices as places on the mesh, such as sources of distances and vertices
+/// along edges as a path.
+/// \throws InvalidInput if the mesh is not valid, or naming `what` and the first that is not one of
+/// its vertices, or is in no triangle.
+[[nodiscard]] std::vector<SurfacePoint> vertex_points(const TriangleMesh& mesh,
+                                                      std::span<const int> vertices,
+                                                      const char* what = "vertices");
 
 /// Unit normals of the triangles, 3 x T; NaN for a triangle without area (the sine of the angle at
 /// its first vertex is zero within rounding).
