@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
@@ -11,6 +12,8 @@
 
 #include "mesh_corpus.h"
 #include "palpate/geometry/cgal_mesh.h"
+#include "palpate/geometry/cgal_point_set.h"
+#include "palpate/geometry/cgal_properties.h"
 #include "palpate/geometry/eigen_views.h"
 #include "palpate/geometry/pcl_cloud.h"
 #include "palpate/geometry/range_map_cloud.h"
@@ -86,6 +89,124 @@ TEST(CgalMesh, AQuadrangleIsNamed) {
             std::string::npos);
 }
 
+/// A slope seen through a lens, with an unknown depth.
+RangeMap small_map() {
+  RangeMap map;
+  map.camera = {.width = 4, .height = 3, .fx = 100, .fy = 90, .cx = 1.4, .cy = 0.9};
+  map.camera.distortion[0] = -0.1;
+  map.z.resize(3, 4);
+  for (int i = 0; i < 12; ++i) map.z.data()[i] = 500.1F + 3.3F * static_cast<float>(i);
+  map.z(1, 2) = std::numeric_limits<float>::quiet_NaN();
+  return map;
+}
+
+// A torus with normals, colours and numbers of two types at its vertices, and numbers of triangles.
+MeshFile described_torus() {
+  MeshFile file;
+  file.mesh = test::torus(20, 7, 30.1, 4.7);
+  const Eigen::Index vertices = file.mesh.vertices.cols();
+  set_normals(file.vertex_attributes, vertex_normals(file.mesh).cast<float>().cast<double>());
+  Eigen::Matrix3Xd rgb(3, vertices);
+  for (Eigen::Index v = 0; v < vertices; ++v)
+    rgb.col(v) << static_cast<double>(v % 256) / 255, 0.2, 1 - static_cast<double>(v % 64) / 255;
+  set_colors(file.vertex_attributes, rgb);
+  std::vector<double> depth;
+  std::vector<std::uint16_t> label;
+  for (Eigen::Index v = 0; v < vertices; ++v) {
+    depth.push_back(0.1 * static_cast<double>(v));
+    label.push_back(static_cast<std::uint16_t>(60000 + v));
+  }
+  set_attribute(file.vertex_attributes, {.name = "depth", .values = depth, .list_sizes = {}});
+  set_attribute(file.vertex_attributes, {.name = "label", .values = label, .list_sizes = {}});
+  std::vector<float> area(static_cast<std::size_t>(file.mesh.triangles.cols()));
+  for (std::size_t t = 0; t < area.size(); ++t) area[t] = 0.3F * static_cast<float>(t);
+  set_attribute(file.triangle_attributes, {.name = "area", .values = area, .list_sizes = {}});
+  return file;
+}
+
+void expect_same(const Attributes& found, const Attributes& expected) {
+  EXPECT_EQ(found.size(), expected.size());
+  EXPECT_EQ(normals(found), normals(expected));
+  EXPECT_EQ(colors(found), colors(expected));
+  for (const char* name : {"depth", "label", "area"}) {
+    const Attribute* a = find_attribute(found, name);
+    const Attribute* b = find_attribute(expected, name);
+    ASSERT_EQ(a == nullptr, b == nullptr) << name;
+    if (a) {
+      EXPECT_EQ(a->values, b->values) << name;
+    }
+  }
+}
+
+// Without the alpha that CGAL adds.
+Attributes without_alpha(Attributes attributes) {
+  std::erase_if(attributes, [](const Attribute& each) { return each.name == "alpha"; });
+  return attributes;
+}
+
+TEST(CgalProperties, ARoundTripKeepsNormalsColoursAndNumbersInTheirTypes) {
+  const MeshFile file = described_torus();
+  const auto surface = to_surface_mesh<Point>(file);
+  const auto color = surface.property_map<CGAL::SM_Vertex_index, CGAL::IO::Color>("v:color");
+  ASSERT_TRUE(color.second);
+  EXPECT_EQ(color.first[CGAL::SM_Vertex_index(7)], CGAL::IO::Color(7, 51, 248));
+  const MeshFile back = mesh_file_of(surface);
+  EXPECT_EQ(back.mesh.vertices, file.mesh.vertices);
+  expect_same(without_alpha(back.vertex_attributes), file.vertex_attributes);
+  expect_same(back.triangle_attributes, file.triangle_attributes);
+}
+
+TEST(CgalProperties, OfRemovedVerticesAreLeftOut) {
+  MeshFile file = described_torus();
+  auto surface = to_surface_mesh<Point>(file);
+  const CGAL::SM_Vertex_index first(0);
+  for (const auto face : surface.faces_around_target(surface.halfedge(first)))
+    if (face != surface.null_face()) surface.remove_face(face);
+  surface.remove_vertex(first);
+  const MeshFile back = mesh_file_of(surface);
+  EXPECT_EQ((*scalars(back.vertex_attributes, "depth"))[0], 0.1);
+}
+
+TEST(CgalPointSet, ARoundTripKeepsKnownPointsWithTheirAttributes) {
+  const MeshFile file = described_torus();
+  PointCloud cloud;
+  cloud.points = file.mesh.vertices;
+  cloud.width = cloud.points.cols();
+  cloud.attributes = file.vertex_attributes;
+  const PointCloud back = from_point_set(to_point_set<Point>(cloud));
+  EXPECT_EQ(back.points, cloud.points);
+  expect_same(back.attributes, cloud.attributes);
+  cloud.points(1, 3) = std::numeric_limits<double>::quiet_NaN();
+  const PointCloud fewer = from_point_set(to_point_set<Point>(cloud));
+  EXPECT_EQ(fewer.points.cols(), cloud.points.cols() - 1);
+  EXPECT_EQ((*scalars(fewer.attributes, "depth"))[3], (*scalars(cloud.attributes, "depth"))[4]);
+}
+
+TEST(PclCloud2, ARoundTripKeepsAllAttributesInTheirTypes) {
+  const MeshFile file = described_torus();
+  const pcl::PolygonMesh polygons = to_polygon_mesh(file);
+  pcl::PointCloud<pcl::PointXYZRGBNormal> read;
+  pcl::fromPCLPointCloud2(polygons.cloud, read);  // PCL finds its own fields
+  EXPECT_EQ(read[7].b, 248);
+  EXPECT_EQ(read[7].normal_y, static_cast<float>((*normals(file.vertex_attributes))(1, 7)));
+  const MeshFile back = mesh_file_of(polygons);
+  EXPECT_EQ(back.mesh.triangles, file.mesh.triangles);
+  EXPECT_EQ(back.mesh.vertices, file.mesh.vertices.cast<float>().cast<double>());
+  expect_same(back.vertex_attributes, file.vertex_attributes);
+}
+
+TEST(PclCloud2, NamesWhatIsMissing) {
+  PointCloud cloud = organised_cloud(small_map());
+  pcl::PCLPointCloud2 packed = to_pcl_cloud2(cloud);
+  EXPECT_EQ(packed.height, 3U);
+  packed.data.resize(packed.data.size() - 3);
+  EXPECT_EQ(refusal([&] { return from_pcl_cloud2(packed); }),
+            "point cloud: its data end within field z");
+  packed.fields[1].name = "height";
+  packed.data.resize(packed.data.size() + 3);
+  EXPECT_EQ(refusal([&] { return from_pcl_cloud2(packed); }), "point cloud: has no field y");
+}
+
 TEST(PclCloud, ARoundTripKeepsPointsToTheRoundingOfFloat) {
   const TriangleMesh mesh = test::glove(9);
   const TriangleMesh back = from_polygon_mesh(to_polygon_mesh(mesh));
@@ -104,17 +225,6 @@ TEST(PclCloud, ARangeMapBecomesAnOrganisedCloud) {
   EXPECT_FALSE(cloud.is_dense);
   EXPECT_FLOAT_EQ(cloud.at(0, 1).x, -7.001F);
   EXPECT_TRUE(std::isnan(cloud.at(2, 1).z));
-}
-
-/// A slope seen through a lens, with an unknown depth.
-RangeMap small_map() {
-  RangeMap map;
-  map.camera = {.width = 4, .height = 3, .fx = 100, .fy = 90, .cx = 1.4, .cy = 0.9};
-  map.camera.distortion[0] = -0.1;
-  map.z.resize(3, 4);
-  for (int i = 0; i < 12; ++i) map.z.data()[i] = 500.1F + 3.3F * static_cast<float>(i);
-  map.z(1, 2) = std::numeric_limits<float>::quiet_NaN();
-  return map;
 }
 
 TEST(PclCloud, OfARangeMapHasTheRoundedPointsOfItsBackProjection) {

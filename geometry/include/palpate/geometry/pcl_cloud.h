@@ -2,14 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <pcl/PCLPointCloud2.h>
 #include <pcl/PolygonMesh.h>
 #include <pcl/conversions.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/type_traits.h>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/geometry/mesh_io.h"
@@ -159,6 +168,148 @@ template <class Point>
   return cloud;
 }
 
+namespace pcl_detail {
+
+// The fields that PCL has for an attribute of ours, and the other way round.
+inline std::string pcl_name(const std::string& name) {
+  for (const char* axis : {"x", "y", "z"})
+    if (name == std::string("n") + axis) return std::string("normal_") + axis;
+  return name;
+}
+
+// Appends a field to the points of a cloud, whose number is known.
+template <class Number>
+void add_field(pcl::PCLPointCloud2& cloud, const std::string& name,
+               const std::vector<Number>& values) {
+  pcl::PCLPointField field;
+  field.name = name;
+  field.offset = cloud.point_step;
+  field.datatype = pcl::traits::asEnum_v<Number>;
+  field.count = 1;
+  const std::size_t before = cloud.point_step, after = before + sizeof(Number);
+  std::vector<std::uint8_t> data(values.size() * after);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::copy_n(cloud.data.begin() + static_cast<std::ptrdiff_t>(i * before), before,
+                data.begin() + static_cast<std::ptrdiff_t>(i * after));
+    std::memcpy(&data[i * after + before], &values[i], sizeof(Number));
+  }
+  cloud.data = std::move(data);
+  cloud.point_step = static_cast<std::uint32_t>(after);
+  cloud.row_step = cloud.point_step * cloud.width;
+  cloud.fields.push_back(std::move(field));
+}
+
+template <class Number>
+std::vector<Number> field_values(const pcl::PCLPointCloud2& cloud,
+                                 const pcl::PCLPointField& field) {
+  std::vector<Number> values;
+  for (std::size_t row = 0; row < cloud.height; ++row) {
+    for (std::size_t column = 0; column < cloud.width; ++column) {
+      const std::size_t at = row * cloud.row_step + column * cloud.point_step + field.offset;
+      if (at + sizeof(Number) > cloud.data.size())
+        throw InvalidInput("point cloud: its data end within field " + field.name);
+      Number value;
+      std::memcpy(&value, &cloud.data[at], sizeof(Number));
+      values.push_back(value);
+    }
+  }
+  return values;
+}
+
+}  // namespace pcl_detail
+
+/// Converts a cloud with all attributes of one number, each in its type: normals become "normal_x",
+/// "normal_y", "normal_z", colours "rgb" (without alpha), others keep their names. Points become
+/// float.
+/// \throws InvalidInput unless width * height is the number of points, and if an attribute has not
+/// one element for each point.
+[[nodiscard]] inline pcl::PCLPointCloud2 to_pcl_cloud2(const PointCloud& from) {
+  check_attributes(from.attributes, from.points.cols(), "point cloud");
+  if (from.width * from.height != from.points.cols())
+    throw InvalidInput("point cloud: is " + std::to_string(from.width) + " x " +
+                       std::to_string(from.height) + ", but has " +
+                       std::to_string(from.points.cols()) + " points");
+  pcl::PCLPointCloud2 cloud;
+  cloud.width = static_cast<std::uint32_t>(from.width);
+  cloud.height = static_cast<std::uint32_t>(from.height);
+  cloud.is_dense = from.points.allFinite();
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::VectorXf row = from.points.row(k).transpose().cast<float>();
+    pcl_detail::add_field(cloud, std::string(1, "xyz"[k]),
+                          std::vector<float>(row.begin(), row.end()));
+  }
+  if (const auto found = colors(from.attributes)) {
+    std::vector<std::uint32_t> packed;
+    for (const auto& color : found->colwise()) {
+      const auto byte = [&](int k) {
+        return static_cast<std::uint32_t>(
+            std::lround(255 * std::min(1.0, std::max(0.0, color[k]))));
+      };
+      packed.push_back(byte(0) << 16U | byte(1) << 8U | byte(2));
+    }
+    std::vector<float> bits(packed.size());  // PCL's readers expect this type
+    if (!bits.empty()) std::memcpy(bits.data(), packed.data(), 4 * packed.size());
+    pcl_detail::add_field(cloud, "rgb", bits);
+  }
+  for (const Attribute& attribute : from.attributes) {
+    if (!attribute.list_sizes.empty() || attribute.name == "red" || attribute.name == "green" ||
+        attribute.name == "blue" || attribute.name == "alpha")
+      continue;
+    std::visit(
+        [&](const auto& values) {
+          const std::string name = pcl_detail::pcl_name(attribute.name);
+          if (name == attribute.name) return pcl_detail::add_field(cloud, name, values);
+          pcl_detail::add_field(cloud, name, std::vector<float>(values.begin(), values.end()));
+        },
+        attribute.values);
+  }
+  return cloud;
+}
+
+/// Converts a cloud with all fields of one number; the other way of `to_pcl_cloud2`.
+/// \throws InvalidInput naming what is missing: x, y or z, or data within a field.
+[[nodiscard]] inline PointCloud from_pcl_cloud2(const pcl::PCLPointCloud2& from) {
+  PointCloud cloud;
+  cloud.width = from.width;
+  cloud.height = from.height;
+  cloud.points.resize(3, cloud.width * cloud.height);
+  std::string missing = "xyz";
+  for (const pcl::PCLPointField& field : from.fields) {
+    if (field.count != 1) continue;
+    if (field.name == "rgb" || field.name == "rgba") {
+      Eigen::Matrix3Xd rgb(3, cloud.points.cols());
+      Eigen::Index i = 0;
+      for (const std::uint32_t packed : pcl_detail::field_values<std::uint32_t>(from, field))
+        rgb.col(i++) << (packed >> 16U & 255U), (packed >> 8U & 255U), (packed & 255U);
+      set_colors(cloud.attributes, rgb / 255);
+      continue;
+    }
+    const auto take = [&]<class Number>(std::type_identity<std::vector<Number>>) {
+      if (field.datatype != pcl::traits::asEnum_v<Number>) return;
+      std::vector<Number> values = pcl_detail::field_values<Number>(from, field);
+      if (const std::size_t axis = std::string("xyz").find(field.name);
+          field.name.size() == 1 && axis != std::string::npos) {
+        for (Eigen::Index i = 0; i < cloud.points.cols(); ++i)
+          cloud.points(static_cast<Eigen::Index>(axis), i) =
+              static_cast<double>(values[static_cast<std::size_t>(i)]);
+        std::erase(missing, field.name[0]);
+        return;
+      }
+      std::string name = field.name;
+      for (const char* own : {"nx", "ny", "nz"})
+        if (pcl_detail::pcl_name(own) == field.name) name = own;
+      set_attribute(cloud.attributes,
+                    {.name = name, .values = std::move(values), .list_sizes = {}});
+    };
+    const auto each = [&]<class... Lists>(std::type_identity<std::variant<Lists...>>) {
+      (take(std::type_identity<Lists>()), ...);
+    };
+    each(std::type_identity<AttributeValues>());
+  }
+  if (!missing.empty()) throw InvalidInput(std::string("point cloud: has no field ") + missing[0]);
+  return cloud;
+}
+
 /// Converts a mesh.
 /// \throws InvalidInput if the mesh is not valid.
 [[nodiscard]] inline pcl::PolygonMesh to_polygon_mesh(const TriangleMesh& mesh) {
@@ -191,6 +342,28 @@ template <class Point>
   }
   check_mesh(mesh, "polygon mesh");
   return mesh;
+}
+
+/// Converts a mesh with the attributes of its vertices, as `to_pcl_cloud2`.
+/// \throws InvalidInput if the mesh is not valid or an attribute has not one element for each
+/// vertex.
+[[nodiscard]] inline pcl::PolygonMesh to_polygon_mesh(const MeshFile& file) {
+  pcl::PolygonMesh polygons = to_polygon_mesh(file.mesh);
+  PointCloud cloud;
+  cloud.points = file.mesh.vertices;
+  cloud.width = cloud.points.cols();
+  cloud.attributes = file.vertex_attributes;
+  polygons.cloud = to_pcl_cloud2(cloud);
+  return polygons;
+}
+
+/// Converts a mesh with the fields of its vertices, as `from_pcl_cloud2`.
+/// \throws InvalidInput as `from_polygon_mesh` and `from_pcl_cloud2`.
+[[nodiscard]] inline MeshFile mesh_file_of(const pcl::PolygonMesh& polygons) {
+  MeshFile file;
+  file.mesh = from_polygon_mesh(polygons);
+  file.vertex_attributes = from_pcl_cloud2(polygons.cloud).attributes;
+  return file;
 }
 
 }  // namespace palpate::geometry
