@@ -7,27 +7,24 @@
 #include <chrono>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/work_in_order.h"
-#include "palpate/sensing/decode_frame.h"
 #include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
-#include "palpate/sensing/surface_color.h"
 #include "palpate/sensing/trained_colors.h"
+#include "seeing/decode_frames.h"
 #include "seeing/decode_input.h"
 #include "seeing/decode_multishot.h"
 #include "seeing/decode_outputs.h"
 #include "seeing/decode_record.h"
 #include "seeing/decode_report.h"
+#include "seeing/decode_shard.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
@@ -41,92 +38,17 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-struct DecodeCall {
-  std::vector<fs::path> frames;
-  fs::path rig, pattern, colors, response;
-  std::optional<sensing::Linearizer> linearizer;  ///< of `response`
-  std::string bayer;
-  int bits = 0;  ///< of 16-bit frames; 0: not stated, all 16
-  sensing::DecodeOptions options;
-  fs::path output;        ///< the folder for the results
-  DecodeOutputs outputs;  ///< in the folder where this run writes
-  bool resume = false;
-  bool force = false;      ///< accept frames that do not fit
-  sensing::Pattern shown;  ///< read from `pattern`
-  bool multishot = false;
-  int exposures = 1;  ///< of `multishot`
-};
-
-/// A frame in the pipeline. Only one stage at a time uses it.
-struct FrameItem {
-  sensing::DecodedFrame decoded;
-  FinishedFrame finished;
-  double write_milliseconds = 0;  ///< including counting of pixels, logging and pictures
-};
-
 /// The next frame to be decoded. Frames that an earlier run has finished are added to `kept`.
-std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameSource& source,
-                                         const DecodeRecord& record, Outcomes& kept) {
+std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
+                                                    sensing::FrameSource& source,
+                                                    const DecodeRecord& record, Outcomes& kept) {
   while (auto frame = source.next()) {
     const FinishedFrame* finished = record.find(*frame);
-    if (finished != nullptr && has_outputs(call.outputs, frame->number, finished->pixels > 0)) {
-      kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
-      continue;
-    }
-    if (call.bits == 0 && frame->number == 0) doubt_bits_when_read(*frame);
-    if (call.linearizer) linearize_when_read(*call.linearizer, *frame);
-    if (!call.options.anchors.empty() && frame->number == 0) examine_when_read(*frame);
-    FrameItem item;
-    item.decoded.source = std::move(*frame);
-    return item;
+    if (finished == nullptr || !has_outputs(call.outputs, frame->number, finished->pixels > 0))
+      return frame;
+    kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
   }
   return std::nullopt;
-}
-
-/// The colour of the surface in a frame, for screens.
-cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
-                 const sensing::DecodedFrame& decoded) {
-  cv::Mat image = decoded.image;
-  if (call.options.half_resolution) {
-    const cv::Size size(rig.camera.width, rig.camera.height);
-    cv::resize(image(cv::Rect(0, 0, 2 * size.width, 2 * size.height)), image, size, 0, 0,
-               cv::INTER_AREA);
-  }
-  return sensing::srgb_of(sensing::surface_color(image, decoded.result.range, rig, call.shown));
-}
-
-/// Warns if most phases are of no use because their surfaces have no anchor.
-void warn_of_pixels_without_anchor(const std::string& frame, const sensing::ReasonImage& reasons) {
-  const long without = sensing::count(reasons, sensing::Reason::no_transition);
-  const long decoded = sensing::count(reasons, sensing::Reason::reconstructed);
-  if (without <= decoded) return;
-  spdlog::warn(
-      "{}: {} pixels show the sinusoid on surfaces without an anchor, only {} on surfaces with "
-      "one. Give an --anchor on each surface, at its depth in mm, away from edges and holes.",
-      frame, without, decoded);
-}
-
-/// Writes the data of a decoded frame, and measures the time.
-void write_frame(const DecodeCall& call, const sensing::Rig& rig, FrameItem& item) {
-  const Clock::time_point start = Clock::now();
-  const sensing::DecodeResult& result = item.decoded.result;
-  const sensing::SourceFrame& source = item.decoded.source;
-  if (spdlog::should_log(spdlog::level::info)) {  // because counting takes long
-    spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", source.name,
-                 result.transitions, result.regions, result.unresolved_regions,
-                 counts(result.reasons));
-  }
-  item.finished = stamped(source);
-  item.finished.milliseconds = item.decoded.decode_milliseconds;
-  item.finished.evidence = result.evidence;
-  measure_depths(result.range.z, item.finished);
-  if (item.finished.pixels == 0)
-    spdlog::warn("{}: no pixel has a depth; run with -v to see why.", source.name);
-  if (!call.options.anchors.empty()) warn_of_pixels_without_anchor(source.name, result.reasons);
-  const cv::Mat color = call.outputs.color ? color_of(call, rig, item.decoded) : cv::Mat();
-  item.decoded.image.release();
-  write_outputs(call.outputs, source.number, result, color);
-  item.write_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 /// Whether the rig is the one stored with the range maps.
@@ -149,12 +71,13 @@ void write_table_if_there_is_room(const DecodeRecord& record) {
   }
 }
 
-/// Decodes all frames that are not finished. All outputs of a frame are written or drawn while it
-/// is in the pipeline; only its figures are kept.
+/// Decodes all frames that are not finished.
 Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
                     sensing::FrameSource& source, const ResultFolder& folder,
                     DecodeRecord& record) {
-  std::once_flag begun;
+  Outcomes kept, outcomes;
+  Progress progress("decoding");
+  const InterruptMessage message(what_is_kept(folder, record, source));
   const auto begin = [&] {
     folder.begin();
     record.begin();
@@ -162,39 +85,18 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
     // rig that is already there is kept as it was written.
     if (!lies_in_output(call)) sensing::write_rig(call.outputs.folder / "rig.yaml", decoder.rig());
   };
-  Outcomes kept;
-  const auto next = [&] { return next_unfinished(call, source, record, kept); };
-  const auto work = [&](FrameItem& item) {
-    item.decoded = sensing::decode_frame(std::move(item.decoded.source), decoder);
-    if (!item.decoded.error.empty()) return;
-    std::call_once(begun, begin);
-    write_frame(call, decoder.rig(), item);
-  };
-  Outcomes outcomes;
-  Progress progress("decoding");
-  const InterruptMessage message(what_is_kept(folder, record, source));
-  const auto deliver = [&](FrameItem& item) {
-    const sensing::SourceFrame& frame = item.decoded.source;
-    Outcome& outcome = outcomes[frame.number];
-    if (item.decoded.error.empty()) {
-      const Clock::time_point start = Clock::now();
-      draw_outputs(call.outputs, frame.number, item.decoded.result, frame.name);
-      item.write_milliseconds +=
-          std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-      record.add(item.finished);
-      outcome = {.error = {},
-                 .frame = item.finished,
-                 .read_milliseconds = item.decoded.read_milliseconds,
-                 .write_milliseconds = item.write_milliseconds};
-    } else {
-      outcome.error = item.decoded.error;
-      outcome.frame.name = frame.name;
-    }
+  const auto finished = [&](const Outcome& outcome) {
+    if (outcome.error.empty()) record.add(outcome.frame);
+    outcomes[outcome.frame.number] = outcome;
     InterruptMessage::set_kept(what_is_kept(folder, record, source));
-    progress.show(static_cast<int>(frame.number) + 1, static_cast<int>(source.expected_frames()));
+    progress.show(static_cast<int>(outcome.frame.number) + 1,
+                  static_cast<int>(source.expected_frames()));
   };
   try {
-    work_in_order<FrameItem>(next, work, deliver, usual_live_items());
+    decode_frames(decoder, call,
+                  {.next = [&] { return next_unfinished(call, source, record, kept); },
+                   .begin = begin,
+                   .finished = finished});
   } catch (const Interrupted&) {
     write_table_if_there_is_room(record);
     throw;
@@ -250,7 +152,10 @@ sensing::Decoder make_decoder(const DecodeCall& call, const sensing::Rig& rig,
   return {rig, pattern, colors, call.options};
 }
 
-void decode(const Settings& settings, DecodeCall call) {
+/// Of a sharded run that was merged, the journals are no longer true.
+bool is_no_journal(const fs::path& result) { return !result.has_parent_path(); }
+
+void decode(const Settings& settings, const CLI::App& command, DecodeCall call) {
   refuse_pipes({{"--rig", call.rig},
                 {"--pattern", call.pattern},
                 {"--colors", call.colors},
@@ -273,6 +178,14 @@ void decode(const Settings& settings, DecodeCall call) {
   call.outputs.noise = call.outputs.sigma && rig.covariance.has_value();
   const sensing::Decoder decoder = make_decoder(call, rig, pattern);
   call.shown = pattern;
+  if (call.shard) {
+    return decode_shard(settings, {.command = command,
+                                   .decoder = decoder,
+                                   .source = source,
+                                   .call = call,
+                                   .record_settings = settings_of(call),
+                                   .writes_rig = !lies_in_output(call)});
+  }
   using enum ResultFolder::Unfinished;
   ResultFolder folder(call.output, decoded_files, call.resume ? resumed : kept);
   call.outputs.folder = folder.place();
@@ -281,19 +194,19 @@ void decode(const Settings& settings, DecodeCall call) {
 
   const Clock::time_point start = Clock::now();
   const Outcomes outcomes = decode_all(decoder, call, source, folder, record);
-  const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
-                                    [](const auto& entry) { return !entry.second.error.empty(); });
   if (outcomes.empty())
     throw FileError(call.frames.front().string() + ": holds no frame; pass images or a video.");
-  if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
+  const std::size_t broken = count_broken(outcomes);
   const sensing::DecodeJudgement judgement = judge_sequence(outcomes);
-  if (judgement.usable() || call.force) folder.finish([](const fs::path&) { return true; });
+  if (judgement.usable() || call.force) folder.finish(is_no_journal);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   report_decoding(settings, folder.place(), call.outputs, outcomes, judgement, seconds);
-  refuse_misfit(judgement, call.force, folder);
-  if (broken > 0)
-    throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.",
-                            broken, outcomes.size()));
+  refuse_misfit(judgement, call.force,
+                fmt::format("What was decoded is in {}{}; to accept it, run the same call again "
+                            "with --resume --force.",
+                            folder.place().string(),
+                            folder.replaces() ? ", and the earlier results are unchanged" : ""));
+  refuse_broken(broken, outcomes.size());
 }
 
 }  // namespace
@@ -356,7 +269,9 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--multishot", call->multishot,
       "Several images of a static scene give one range map: shifted sinusoids, then a "
       "Gray code, as the pattern says (palpate pattern --multishot)");
-  for (CLI::Option* other : {colors, bits, resume, force}) multishot->excludes(other);
+  CLI::Option* shard = add_shard_option(*command, call->shard);
+  for (CLI::Option* other : {colors, bits, resume, force, shard}) multishot->excludes(other);
+  for (CLI::Option* other : {resume, force}) shard->excludes(other);
   command
       ->add_option("--exposures", call->exposures,
                    "With --multishot: how often the images of a scene follow each other, each time "
@@ -383,14 +298,14 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "still/ --sigma\n"
       "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "
       "colors.yaml -o range/ --sigma --reasons --resume");
-  command->callback([call, decoding, &settings] {
+  command->callback([call, command, decoding, &settings] {
     for (const CLI::Option* option : decoding) {
       if (call->multishot && option->count() > 0) {
         throw InvalidInput("--multishot: excludes " + option->get_name() +
                            ", which is for single frames; leave one of them out");
       }
     }
-    decode(settings, *call);
+    decode(settings, *command, *call);
   });
 }
 

@@ -95,18 +95,26 @@ void draw_outputs(const DecodeOutputs& outputs, std::size_t number,
   if (outputs.sigma) pictures::draw_deviation(file("_sigma.png"), result.sigma, title);
 }
 
+OutputEndings output_endings(const DecodeOutputs& outputs, bool has_surface) {
+  OutputEndings endings{.data = {".tiff"}, .pictures = {}};
+  if (outputs.color) endings.data.emplace_back("_color.png");
+  if (outputs.sigma) endings.data.emplace_back("_sigma.tiff");
+  if (outputs.noise) endings.data.emplace_back("_noise.tiff");
+  if (outputs.reasons) endings.data.emplace_back("_reasons.tiff");
+  if (!outputs.meshes.empty() && has_surface) endings.data.push_back("." + outputs.meshes);
+  if (!outputs.pictures) return endings;
+  if (has_surface) endings.pictures.emplace_back(".png");
+  if (has_surface && outputs.sigma) endings.pictures.emplace_back("_sigma.png");
+  if (outputs.reasons) endings.pictures.emplace_back("_reasons.png");
+  return endings;
+}
+
 bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surface) {
-  const auto has = [&](bool wanted, const std::string& ending) {
-    return !wanted || is_there(numbered(outputs.folder, number, ending));
+  const OutputEndings endings = output_endings(outputs, has_surface);
+  const auto has = [&](const std::string& ending) {
+    return is_there(numbered(outputs.folder, number, ending));
   };
-  const bool pictures = outputs.pictures;
-  return has(true, ".tiff") && has(outputs.color, "_color.png") &&
-         has(outputs.sigma, "_sigma.tiff") && has(outputs.noise, "_noise.tiff") &&
-         has(outputs.reasons, "_reasons.tiff") &&
-         has(!outputs.meshes.empty() && has_surface, "." + outputs.meshes) &&
-         has(pictures && has_surface, ".png") &&
-         has(pictures && has_surface && outputs.sigma, "_sigma.png") &&
-         has(pictures && outputs.reasons, "_reasons.png");
+  return std::ranges::all_of(endings.data, has) && std::ranges::all_of(endings.pictures, has);
 }
 
 }  // namespace palpate::apps

@@ -44,6 +44,13 @@ void write_outputs(const DecodeOutputs& outputs, std::size_t number,
 void draw_outputs(const DecodeOutputs& outputs, std::size_t number,
                   const sensing::DecodeResult& result, const std::string& title);
 
+/// What is written for a frame, as endings of `numbered`: data, and then pictures.
+/// \param has_surface whether the frame has a depth, and thus a mesh and pictures of the depths.
+struct OutputEndings {
+  std::vector<std::string> data, pictures;
+};
+[[nodiscard]] OutputEndings output_endings(const DecodeOutputs& outputs, bool has_surface);
+
 /// Whether all data and pictures of a frame exist.
 /// \param has_surface whether the frame has a depth, and thus a mesh and pictures of the depths.
 [[nodiscard]] bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surface);

@@ -19,6 +19,7 @@
 #include "shared/field_options.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
+#include "shared/shard_journal.h"
 
 namespace palpate::apps {
 namespace {
@@ -99,26 +100,6 @@ sensing::DecodeEvidence evidence_of(const Json& json) {
   return evidence;
 }
 
-Json to_json(const FinishedFrame& frame) {
-  return {{"number", frame.number},   {"frame", frame.name},
-          {"bytes", frame.bytes},     {"modified", frame.modified},
-          {"pixels", frame.pixels},   {"median_depth", frame.median_depth},
-          {"ms", frame.milliseconds}, {"evidence", to_json(frame.evidence)}};
-}
-
-FinishedFrame finished_frame(const Json& json) {
-  const Json& depth = json.at("median_depth");  // JSON has no NaN and writes null
-  return {.number = json.at("number"),
-          .name = json.at("frame"),
-          .bytes = json.at("bytes"),
-          .modified = json.at("modified"),
-          .pixels = json.at("pixels"),
-          .median_depth =
-              depth.is_null() ? std::numeric_limits<double>::quiet_NaN() : depth.get<double>(),
-          .milliseconds = json.at("ms"),
-          .evidence = evidence_of(json.at("evidence"))};
-}
-
 using FinishedFrames = std::map<std::size_t, FinishedFrame>;
 
 /// The frames in a record, by number. A frame that was decoded again has two lines.
@@ -126,7 +107,7 @@ using FinishedFrames = std::map<std::size_t, FinishedFrame>;
 FinishedFrames frames_of(const RunRecord& record) {
   FinishedFrames frames;
   for (const Json& item : record.items) {
-    const FinishedFrame frame = finished_frame(item);
+    const FinishedFrame frame = frame_of(item);
     frames[frame.number] = frame;
   }
   return frames;
@@ -152,6 +133,26 @@ Json decode_settings(DecodeSettings settings) {
   return named;
 }
 
+Json record_of(const FinishedFrame& frame) {
+  return {{"number", frame.number},   {"frame", frame.name},
+          {"bytes", frame.bytes},     {"modified", frame.modified},
+          {"pixels", frame.pixels},   {"median_depth", frame.median_depth},
+          {"ms", frame.milliseconds}, {"evidence", to_json(frame.evidence)}};
+}
+
+FinishedFrame frame_of(const Json& json) {
+  const Json& depth = json.at("median_depth");  // JSON has no NaN and writes null
+  return {.number = json.at("number"),
+          .name = json.at("frame"),
+          .bytes = json.at("bytes"),
+          .modified = json.at("modified"),
+          .pixels = json.at("pixels"),
+          .median_depth =
+              depth.is_null() ? std::numeric_limits<double>::quiet_NaN() : depth.get<double>(),
+          .milliseconds = json.at("ms"),
+          .evidence = evidence_of(json.at("evidence"))};
+}
+
 std::size_t count_finished_frames(const fs::path& file) {
   constexpr const char* kWanted = "Give the decode.jsonl that palpate decode has written";
   try {
@@ -161,22 +162,32 @@ std::size_t count_finished_frames(const fs::path& file) {
   }
 }
 
-std::vector<fs::path> decoded_files(const fs::path& folder) {
-  const bool is_ours = is_there(folder / kDecodeFile);
-  const auto refusal = [](const fs::path& path) {
-    return InvalidInput(path.string() +
-                        ": would be replaced, but the folder has no decode.jsonl, which shows that "
-                        "palpate decode wrote it. Nothing was changed. Give a new or an empty "
-                        "folder, or remove the file.");
-  };
-  if (!is_ours && is_there(folder / kDecodeTable)) throw refusal(folder / kDecodeTable);
+std::vector<fs::path> numbered_files(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!is_numbered(entry.path().filename())) continue;
-    if (!is_ours) throw refusal(entry.path());
-    files.push_back(entry.path().filename());
+    if (is_numbered(entry.path().filename())) files.push_back(entry.path().filename());
   }
   return files;
+}
+
+std::vector<fs::path> decoded_files(const fs::path& folder) {
+  std::vector<fs::path> files = numbered_files(folder);
+  const std::vector<fs::path> shards = shard_files(folder);
+  if (is_there(folder / kDecodeFile)) {
+    files.insert(files.end(), shards.begin(), shards.end());
+    return files;
+  }
+  if (!shards.empty()) {
+    throw InvalidInput(folder.string() +
+                       ": holds shards that are not merged yet; palpate merge-shards does that. "
+                       "Give another folder, or remove this one.");
+  }
+  if (is_there(folder / kDecodeTable)) files.insert(files.begin(), kDecodeTable);
+  if (files.empty()) return files;
+  throw InvalidInput((folder / files.front()).string() +
+                     ": would be replaced, but the folder has no decode.jsonl, which shows that "
+                     "palpate decode wrote it. Nothing was changed. Give a new or an empty "
+                     "folder, or remove the file.");
 }
 
 FinishedFrame stamped(const sensing::SourceFrame& frame) {
@@ -234,12 +245,12 @@ void DecodeRecord::resume() {
 void DecodeRecord::begin() {
   RunRecord record{.head = {{"kind", kDecodeRecord}, {"settings", settings_}, {"inputs", inputs_}},
                    .items = {}};
-  for (const auto& [number, frame] : earlier_) record.items.push_back(to_json(frame));
+  for (const auto& [number, frame] : earlier_) record.items.push_back(record_of(frame));
   writer_.emplace(file(), record);
 }
 
 void DecodeRecord::add(const FinishedFrame& frame) {
-  writer_->add(to_json(frame));
+  writer_->add(record_of(frame));
   added_[frame.number] = frame.name;
 }
 

@@ -52,7 +52,17 @@ struct DecodeSettings {
 /// \throws FileError if it is not a record of `palpate decode`.
 [[nodiscard]] std::size_t count_finished_frames(const std::filesystem::path& file);
 
-/// Lists what `palpate decode` wrote for the frames in a folder, with names relative to it.
+/// A frame as one line of a record, and back.
+/// \throws nlohmann::json::exception if the line is none.
+[[nodiscard]] nlohmann::ordered_json record_of(const FinishedFrame& frame);
+[[nodiscard]] FinishedFrame frame_of(const nlohmann::ordered_json& json);
+
+/// Lists the files in a folder whose names are those of results of a frame, relative to it.
+[[nodiscard]] std::vector<std::filesystem::path> numbered_files(
+    const std::filesystem::path& folder);
+
+/// Lists what `palpate decode` wrote for the frames in a folder, with names relative to it; with
+/// the journals of shards that were merged.
 /// \throws InvalidInput if there are such files but no record, so that they may be somebody else's.
 [[nodiscard]] std::vector<std::filesystem::path> decoded_files(const std::filesystem::path& folder);
 

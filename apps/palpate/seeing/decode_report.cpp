@@ -121,7 +121,7 @@ void report_decoding(const Settings& settings, const fs::path& output, const Dec
 }
 
 void refuse_misfit(const sensing::DecodeJudgement& judgement, bool force,
-                   const ResultFolder& folder) {
+                   const std::string& remedy) {
   if (judgement.usable()) return;
   if (force) {
     spdlog::warn(
@@ -130,10 +130,23 @@ void refuse_misfit(const sensing::DecodeJudgement& judgement, bool force,
     return;
   }
   throw Error(fmt::format(
-      "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}. "
-      "What was decoded is in {}{}; to accept it, run the same call again with --resume --force.",
-      judgement.reason, folder.place().string(),
-      folder.replaces() ? ", and the earlier results are unchanged" : ""));
+      "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}. {}",
+      judgement.reason, remedy));
+}
+
+std::size_t count_broken(const Outcomes& outcomes) {
+  const auto broken = static_cast<std::size_t>(
+      std::count_if(outcomes.begin(), outcomes.end(),
+                    [](const auto& entry) { return !entry.second.error.empty(); }));
+  if (!outcomes.empty() && broken == outcomes.size())
+    throw FileError(outcomes.begin()->second.error);
+  return broken;
+}
+
+void refuse_broken(std::size_t broken, std::size_t frames) {
+  if (broken == 0) return;
+  throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.", broken,
+                          frames));
 }
 
 }  // namespace palpate::apps

@@ -2,16 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/reason.h"
 #include "seeing/decode_outputs.h"
 #include "seeing/decode_record.h"
 #include "shared/command_line.h"
-#include "shared/result_folder.h"
+#include "shared/shard_journal.h"
 
 namespace palpate::apps {
 
@@ -22,6 +24,7 @@ struct Outcome {
   bool kept = false;  ///< from an earlier run
   double read_milliseconds = 0;
   double write_milliseconds = 0;
+  std::vector<ShardFile> inputs = {}, outputs = {};  ///< with --shard
 };
 using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
 
@@ -43,8 +46,16 @@ void report_decoding(const Settings& settings, const std::filesystem::path& outp
 /// Refuses results of frames that do not fit rig, pattern or colours. What was decoded stays where
 /// it is, but does not replace earlier results.
 /// \param force only warn.
-/// \throws Error with the likely cause, and how to accept the results.
+/// \param remedy where the results are, and how to accept them.
+/// \throws Error with the likely cause, and the remedy.
 void refuse_misfit(const sensing::DecodeJudgement& judgement, bool force,
-                   const ResultFolder& folder);
+                   const std::string& remedy);
+
+/// The number of frames that could not be decoded.
+/// \throws FileError if there is no other frame.
+[[nodiscard]] std::size_t count_broken(const Outcomes& outcomes);
+
+/// \throws Error if some frames could not be decoded.
+void refuse_broken(std::size_t broken, std::size_t frames);
 
 }  // namespace palpate::apps

@@ -59,6 +59,7 @@ void add_identify(CLI::App& app, const Settings& settings);
 void add_info(CLI::App& app, const Settings& settings);
 void add_fuse(CLI::App& app, const Settings& settings);
 void add_merge(CLI::App& app, const Settings& settings);
+void add_merge_shards(CLI::App& app, const Settings& settings);
 void add_mesh(CLI::App& app, const Settings& settings);
 void add_motion(CLI::App& app, const Settings& settings);
 void add_path(CLI::App& app, const Settings& settings);

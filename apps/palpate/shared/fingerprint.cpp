@@ -9,20 +9,37 @@
 #include <vector>
 
 namespace palpate::apps {
+namespace {
+
+/// FNV-1a of 64 bit: by accident, two texts agree once in 10^19.
+class Fnv {
+ public:
+  void add(std::string_view text) {
+    for (const char c : text) hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  }
+  [[nodiscard]] std::string text() const { return fmt::format("{:016x}", hash_); }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+};
+
+}  // namespace
 
 std::string fingerprint(const std::filesystem::path& file) {
-  // FNV-1a of 64 bit: by accident, two files agree once in 10^19.
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  Fnv hash;
   std::ifstream stream(file, std::ios::binary);
   std::vector<char> block(1 << 16);
   while (stream) {
     stream.read(block.data(), static_cast<std::streamsize>(block.size()));
-    for (std::streamsize i = 0; i < stream.gcount(); ++i) {
-      hash = (hash ^ static_cast<unsigned char>(block[static_cast<std::size_t>(i)])) *
-             0x100000001b3ULL;
-    }
+    hash.add({block.data(), static_cast<std::size_t>(stream.gcount())});
   }
-  return fmt::format("{:016x}", hash);
+  return hash.text();
+}
+
+std::string fingerprint_of(std::string_view text) {
+  Fnv hash;
+  hash.add(text);
+  return hash.text();
 }
 
 }  // namespace palpate::apps

@@ -4,10 +4,14 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace palpate::apps {
 
 /// A text that almost certainly differs if the content of the files differs.
 [[nodiscard]] std::string fingerprint(const std::filesystem::path& file);
+
+/// The same of a text: that of a file with this content.
+[[nodiscard]] std::string fingerprint_of(std::string_view text);
 
 }  // namespace palpate::apps

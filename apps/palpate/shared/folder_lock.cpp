@@ -13,13 +13,14 @@
 
 namespace palpate::apps {
 
-FolderLock::FolderLock(const std::filesystem::path& folder)
+FolderLock::FolderLock(const std::filesystem::path& folder, With with)
     : handle_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (handle_ == -1) {
     throw OutputError(folder.string() +
                       ": cannot be written: " + std::generic_category().message(errno) + ".");
   }
-  if (::flock(handle_, LOCK_EX | LOCK_NB) == -1 && errno == EWOULDBLOCK) {
+  const int kind = with == With::nobody ? LOCK_EX : LOCK_SH;
+  if (::flock(handle_, kind | LOCK_NB) == -1 && errno == EWOULDBLOCK) {
     ::close(handle_);
     throw OutputError(folder.string() +
                       ": another run of palpate is writing into this folder. Wait until it has "

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
 #include "palpate/geometry/attribute_transfer.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
@@ -265,6 +266,14 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   return made;
 }
 
+void check_color(const MeshSteps& steps, const std::string& extension) {
+  const bool has_images = !steps.color_images.empty();
+  if ((steps.color || has_images) && extension == ".stl") {
+    throw InvalidInput(std::string(has_images ? "--color-images" : "--color") +
+                       ": STL has no colours; write PLY or OBJ.");
+  }
+}
+
 std::vector<std::string> seen_from(const fs::path& output, const fs::path& input,
                                    std::vector<std::string> names) {
   const fs::path from = fs::absolute(output).lexically_normal().parent_path();
@@ -273,6 +282,25 @@ std::vector<std::string> seen_from(const fs::path& output, const fs::path& input
   for (std::string& name : names)
     name = (folder / name).lexically_normal().lexically_relative(from).string();
   return names;
+}
+
+void write_made(const MadeMesh& made, const fs::path& input, const fs::path& output) {
+  geometry::MeshFile file;
+  file.mesh = made.mesh;
+  file.vertex_attributes = made.attributes;
+  if (made.texture) {
+    const std::string extension = lower_extension(output);
+    if (extension == ".ply" && !made.material_files.empty())
+      spdlog::warn("{}: PLY has no materials, so those of {} are left out; write OBJ to keep them",
+                   output.string(), made.material_files.front());
+    if (extension != ".ply" && extension != ".obj")
+      spdlog::warn("{}: the texture is left out; write OBJ or PLY to keep it", output.string());
+    geometry::set_corner_texture(file.triangle_attributes, *made.texture);
+    file.materials = made.materials;
+    file.material_files = seen_from(output, input, made.material_files);
+    file.comments = made.comments;
+  }
+  geometry::write_mesh_file(output, file);
 }
 
 }  // namespace palpate::apps

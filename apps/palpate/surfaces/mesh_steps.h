@@ -56,6 +56,14 @@ struct MadeMesh {
 /// \throws FileError, InvalidInput, SolverError or Unavailable, as the steps do.
 [[nodiscard]] MadeMesh make_mesh(const std::filesystem::path& input, const MeshSteps& steps);
 
+/// \throws InvalidInput if colours are wanted in a format, ".stl", that has none.
+void check_color(const MeshSteps& steps, const std::string& extension);
+
+/// Writes a mesh that was made of `input`.
+/// \throws OutputError if it cannot be written.
+void write_made(const MadeMesh& made, const std::filesystem::path& input,
+                const std::filesystem::path& output);
+
 /// The names of files that the input names, such as `MeshFile::material_files`, as the output has
 /// to name them.
 [[nodiscard]] std::vector<std::string> seen_from(const std::filesystem::path& output,

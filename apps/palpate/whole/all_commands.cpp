@@ -40,7 +40,7 @@ void add_group(CLI::App& app, const Settings& settings, const char* heading,
 void add_commands(CLI::App& app, const Settings& settings) {
   app.require_subcommand(1);
   add_group(app, settings, "Everything at once",
-            {add_demo, add_plan, add_run, add_trade, add_info});
+            {add_demo, add_plan, add_run, add_trade, add_merge_shards, add_info});
   add_group(app, settings, "From camera frames to range maps",
             {add_pattern, add_calibrate, add_capture, add_simulate, add_decode});
   add_group(app, settings, "Meshes, point clouds and sequences",

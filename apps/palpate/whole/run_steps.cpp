@@ -148,8 +148,11 @@ const std::vector<ProjectStep>& table() {
   return steps;
 }
 
-/// Entries that no section has: `palpate run` resumes by itself, and help is on the command line.
-bool is_given_by_run(const std::string& entry) { return entry == "resume" || entry == "help"; }
+/// Entries that no section has: `palpate run` resumes by itself and does all items, and help is on
+/// the command line.
+bool is_given_by_run(const std::string& entry) {
+  return entry == "resume" || entry == "shard" || entry == "help";
+}
 
 std::string small(std::string text) { return CLI::detail::to_lower(std::move(text)); }
 

@@ -43,7 +43,7 @@ TEST(WrongCall, NamesTheNearestCommand) {
   expect_words({"--threads", "2", "mehs", "a.ply"}, "did you mean mesh?");
   expect_words({"calibrate", "colrs", "x"},
                "unknown command 'colrs' of palpate calibrate; did you mean colors?");
-  expect_words({"reconstruct"}, "the commands are demo, plan, run, trade, info, ");
+  expect_words({"reconstruct"}, "the commands are demo, plan, run, trade, merge-shards, info, ");
   expect_words({}, "palpate needs a command: demo, ");
 }
 

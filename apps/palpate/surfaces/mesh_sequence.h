@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/command_line.h"
+#include "shared/shard.h"
+#include "shared/shard_merge.h"
+#include "surfaces/mesh_steps.h"
+
+namespace palpate::apps {
+
+/// A call of `mesh`.
+struct MeshCall {
+  std::vector<std::filesystem::path> inputs;
+  std::filesystem::path output, picture;
+  std::string format = "ply";  ///< of the meshes of a sequence
+  std::optional<Shard> shard;  ///< of a sequence
+  MeshSteps steps;
+};
+
+/// Meshes a sequence of range maps or depth images, or those of a shard, and reports them. One that
+/// cannot be meshed is reported and skipped.
+/// \throws FileError if no one can be meshed.
+/// \throws Error if some cannot be meshed, after the others.
+void mesh_sequence(const Settings& settings, const CLI::App& command, const MeshCall& call);
+
+/// Merges the shards of a sequence: prints what `mesh` without --shard prints.
+/// \throws as `read_shards` and `mesh_sequence`.
+void merge_mesh_shards(const Settings& settings, const ShardCall& call,
+                       const ShardMergeOptions& options);
+
+}  // namespace palpate::apps
