@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Decodes a sequence on a cluster of Slurm, by Snakemake and by GNU parallel, and compares with one run, to the byte.
+
+On Slurm, the shards are submitted as two arrays by cluster/submit.sh. While a shard runs on the first node, that node is
+killed with all its processes (SIGKILL), and comes back later; its shard must be done again. Then the shards are merged.
+
+    tests/cluster/cluster_test.py PALPATE
+"""
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from slurm import Cluster, missing, wait_for
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+DEMO = REPOSITORY / "demo"
+FRAMES = 180
+SHARDS = 6
+
+
+class Wrong(Exception):
+    """What was found is not what must be."""
+
+
+class Sequence:
+    """Frames in a folder, and calls that decode them."""
+
+    def __init__(self, palpate, work):
+        self.work = work
+        self.environment = dict(os.environ, PATH=f"{palpate.parent}:{os.environ['PATH']}")
+        frames = work / "frames"
+        frames.mkdir()
+        for number in range(FRAMES):
+            (frames / f"{number}.png").symlink_to(DEMO / "frames" / ("flag_a.png", "flag_b.png")[number % 2])
+        self.run("palpate", "calibrate", "colors", DEMO / "training", "-o", "colors.yaml")
+        self.run(*self.call("serial"), "--threads", "1")
+
+    @staticmethod
+    def call(output):
+        return ["palpate", "decode", "frames", "--rig", str(DEMO / "rig.yaml"), "--pattern", str(DEMO / "pattern.yaml"),
+                "--colors", "colors.yaml", "-o", output]
+
+    def run(self, *words, environment=None):
+        done = subprocess.run([str(word) for word in words], cwd=self.work, env=environment or self.environment,
+                              capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise Wrong(f"{' '.join(map(str, words))}: exit status {done.returncode}: {done.stdout}{done.stderr}")
+        return done.stdout
+
+    def results(self, output):
+        """The files of a folder of range maps with their content, without journals and the times of frames."""
+        files = {path.name: path.read_bytes() for path in (self.work / output).iterdir() if path.is_file()}
+        files["decode.jsonl"] = re.sub(rb'"ms":[^,]*,', b"", files["decode.jsonl"])
+        return files
+
+    def compare(self, output):
+        expected, found = self.results("serial"), self.results(output)
+        if expected.keys() != found.keys():
+            raise Wrong(f"{output}: other files than of one run: {sorted(expected.keys() ^ found.keys())}")
+        different = [name for name in expected if expected[name] != found[name]]
+        if different:
+            raise Wrong(f"{output}: other content than of one run: {different}")
+
+    def journals(self, output):
+        return sorted(path.name for path in (self.work / output / "shards").glob("*.jsonl"))
+
+
+def on_slurm(sequence):
+    with tempfile.TemporaryDirectory(prefix="palpate-slurm-") as folder, Cluster(Path(folder)) as cluster:
+        environment = dict(cluster.environment, PALPATE_ARRAY="4", PALPATE_MEMORY="200M", PALPATE_TIME="5",
+                           PALPATE_LOGS=folder)
+        environment["PATH"] = f"{sequence.environment['PATH']}:{environment['PATH']}"
+        jobs = sequence.run(REPOSITORY / "cluster" / "submit.sh", SHARDS, *sequence.call("slurm"), environment=environment)
+
+        def begun_on(node):
+            """A job that has begun to write range maps."""
+            jobs = cluster.call("squeue", "-h", "-t", "running", "-w", node, "-o", "%A %K").splitlines()
+            for job, shard in map(str.split, jobs):
+                if (sequence.work / "slurm" / f"{(int(shard) - 1) * FRAMES // SHARDS:06}.tiff").exists():
+                    return job, f"{int(shard):04}-of-{SHARDS:04}.jsonl"
+            return None
+
+        wait_for(lambda: begun_on("first"), "a shard on the first node")
+        killed, journal = begun_on("first")
+        cluster.kill_node("first")
+        if journal in sequence.journals("slurm"):
+            raise Wrong(f"{journal} was written before its node was killed")
+        state = cluster.call("scontrol", "-o", "show", "job", killed)
+        if "Restarts=1" not in state:
+            raise Wrong(f"the shard of the killed node was not queued again: {state}")
+        cluster.start_node("first")
+        sequence.run("sbatch", f"--dependency=afterok:{jobs.strip()}", f"--output={folder}/merge.log", "--wait", "--wrap",
+                     "exec palpate merge-shards slurm --verify", environment=environment)
+        return f"{journal} was begun on a node that was killed, and done again"
+
+
+def by_snakemake(sequence):
+    call = ["snakemake", "-s", REPOSITORY / "cluster" / "Snakefile", "--cores", 2, "--config", f"shards={SHARDS}",
+            "output=snakemake", f"call={' '.join(sequence.call('snakemake'))}"]
+    sequence.run(*call)
+    lost = sequence.work / "snakemake" / "shards" / f"0002-of-{SHARDS:04}.jsonl"
+    times = {name: (lost.parent / name).stat().st_mtime_ns for name in sequence.journals("snakemake")}
+    lost.unlink()
+    (lost.parent / "merged").unlink()
+    sequence.run(*call)
+    again = [name for name, time in times.items() if (lost.parent / name).stat().st_mtime_ns != time]
+    if again != [lost.name]:
+        raise Wrong(f"without {lost.name}, these shards were done again: {again}")
+    return "a shard without journal was done again, and no other"
+
+
+def by_parallel(sequence):
+    sequence.run(REPOSITORY / "cluster" / "parallel.sh", SHARDS, *sequence.call("parallel"))
+    sequence.run("palpate", "merge-shards", "parallel")
+    return f"{len(sequence.journals('parallel'))} journals"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("palpate", type=Path)
+    palpate = parser.parse_args().palpate.resolve()
+    failures = 0
+    with tempfile.TemporaryDirectory(prefix="palpate-cluster-") as work:
+        sequence = Sequence(palpate, Path(work))
+        for name, test, reason in (("slurm", on_slurm, missing()),
+                                   ("snakemake", by_snakemake, shutil.which("snakemake") is None and "snakemake missing"),
+                                   ("parallel", by_parallel, shutil.which("parallel") is None and "parallel missing")):
+            if reason:
+                print(f"{name}: skipped: {reason}")
+                continue
+            try:
+                found = test(sequence)
+                sequence.compare(name)
+                print(f"{name}: as one run, to the byte; {found}")
+            except (Wrong, RuntimeError, TimeoutError) as wrong:
+                print(f"{name}: {wrong}", file=sys.stderr)
+                failures += 1
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
