@@ -63,9 +63,9 @@ class Shards : public ::testing::Test {
   /// All results with their content; in the record without the times that frames took.
   std::map<std::string, std::string> results(const std::string& output) const {
     std::map<std::string, std::string> files;
-    for (const auto& entry : fs::directory_iterator(scratch / output)) {
-      const std::string name = entry.path().filename().string();
-      if (name == "shards") continue;
+    for (const auto& entry : fs::recursive_directory_iterator(scratch / output)) {
+      const std::string name = entry.path().lexically_relative(scratch / output).string();
+      if (entry.is_directory() || name.starts_with("shards/")) continue;
       files[name] = std::regex_replace(read_text(entry.path()), std::regex("\"ms\":[^,]*,"), "");
     }
     return files;
@@ -132,6 +132,35 @@ TEST_F(Shards, OfMeshesGiveTheSameBytes) {
   }
 }
 
+// A motion: each frame is blurred towards the next mesh, so that the first shard reads a mesh of
+// the second one.
+TEST_F(Shards, OfSimulatedMotionsGiveTheSameBytes) {
+  for (const int depth : {700, 706}) {
+    const std::string z = std::to_string(depth);
+    write_text(scratch / ("card" + z + ".obj"), "v -40 -30 " + z + "\nv 40 -30 " + z +
+                                                    "\nv 40 30 " + z + "\nv -40 30 " + z +
+                                                    "\nf 1 3 2\nf 1 4 3\n");
+  }
+  const auto simulate = [&](const std::string& output, Words more) {
+    more.insert(more.begin(),
+                {"simulate", scratch / "card700.obj", scratch / "card706.obj", "--shutter", "0.5",
+                 "--ideal", "--rig", demo("rig.yaml"), "--pattern", demo("pattern.yaml"), "-o",
+                 scratch / output, "--json", "--quiet"});
+    const CommandResult result = run_palpate(more);
+    EXPECT_EQ(result.status, kDone) << result.err;
+    return result.out;
+  };
+  const std::string serial = simulate("serial", {});
+  const std::map<std::string, std::string> expected = results("serial");
+  EXPECT_EQ(expected.size(), 3U + 2U + 6U + 6U) << "3 settings, frames, truth, training";
+  simulate("2", {"--shard", "2/2"});
+  simulate("2", {"--shard", "1/2"});
+  const CommandResult merged = merge("2", {"--json", "--verify"});
+  EXPECT_EQ(merged.status, kDone) << merged.err;
+  EXPECT_EQ(timeless(merged.out, scratch / "2"), timeless(serial, scratch / "serial"));
+  EXPECT_EQ(results("2"), expected);
+}
+
 TEST_F(Shards, ThatAreFinishedAreKeptUntilAFileChanges) {
   decode_shards("range", {"1/2"});
   const auto is_kept = [&] {
@@ -146,6 +175,20 @@ TEST_F(Shards, ThatAreFinishedAreKeptUntilAFileChanges) {
   write_text(scratch / "frames/1.png", read_text(demo("frames/flag_b.png")));
   EXPECT_FALSE(is_kept());
   EXPECT_TRUE(is_kept());
+}
+
+TEST_F(Shards, HaveNoJournalAfterAFullDiskAndGoOnOnceThereIsRoom) {
+  (void)decode("serial", {});
+  const CommandResult full =
+      run_palpate({"decode", scratch / "frames", "--rig", demo("rig.yaml"), "--pattern",
+                   demo("pattern.yaml"), "--colors", scratch / "colors.yaml", "-o",
+                   scratch / "range", "--half-resolution", "--shard", "1/1"},
+                  {.max_file_size = 20'000});
+  EXPECT_EQ(full.status, kWorkFailed) << full.err;
+  expect_error(merge("range"), kWorkFailed, "1 of 1 shards is missing");
+  decode_shards("range", {"1/1"});
+  (void)merge("range", {"--verify"});
+  EXPECT_EQ(results("range"), results("serial"));
 }
 
 TEST_F(Shards, MayBeWrittenTwiceAtOnce) {

@@ -11,6 +11,7 @@
 
 #include "palpate/pictures/draw_differences.h"
 #include "shared/depth_score.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -70,22 +71,6 @@ std::string causes(const ReportLine& line) {
   return text + ".\n";
 }
 
-}  // namespace
-
-ReportLine report_line(const std::filesystem::path& picture, const sensing::RigTrial& trial) {
-  const sensing::SceneTruth& truth = trial.simulation.truth;
-  ReportLine line{.found = sensing::assess(trial.decoded ? *trial.decoded : nothing_decoded(truth),
-                                           truth, {.counted_bodies = 1}),
-                  .failure = trial.failure,
-                  .picture = {}};
-  if (line.found.score.measured == 0) return line;
-  line.picture = picture;
-  pictures::draw_differences(
-      picture, line.found.score,
-      fmt::format("Predicted depth error at {:.0f} mm", line.found.score.distance));
-  return line;
-}
-
 nlohmann::ordered_json report_figures(const ReportLine& line) {
   const sensing::RigAssessment& found = line.found;
   nlohmann::ordered_json lost = nlohmann::ordered_json::object();
@@ -124,6 +109,36 @@ std::string report_table(const std::vector<ReportLine>& lines) {
       "the others)\n";
   for (const ReportLine& line : lines) text += causes(line);
   return text;
+}
+
+}  // namespace
+
+ReportLine report_line(const std::filesystem::path& picture, const sensing::RigTrial& trial) {
+  const sensing::SceneTruth& truth = trial.simulation.truth;
+  ReportLine line{.found = sensing::assess(trial.decoded ? *trial.decoded : nothing_decoded(truth),
+                                           truth, {.counted_bodies = 1}),
+                  .failure = trial.failure,
+                  .picture = {}};
+  if (line.found.score.measured == 0) return line;
+  line.picture = picture;
+  pictures::draw_differences(
+      picture, line.found.score,
+      fmt::format("Predicted depth error at {:.0f} mm", line.found.score.distance));
+  return line;
+}
+
+void print_simulated(const Settings& settings, const std::vector<ReportLine>& lines,
+                     std::size_t shots, std::size_t images, const std::filesystem::path& output) {
+  nlohmann::ordered_json figures = {{"frames", shots}, {"folder", output.string()}};
+  std::string prose = lines.empty() ? "" : report_table(lines);
+  if (!lines.empty()) {
+    figures["report"] = nlohmann::ordered_json::array();
+    for (const ReportLine& line : lines) figures["report"].push_back(report_figures(line));
+  }
+  if (images > 1) figures["images_of_each"] = images;
+  prose += images > 1 ? counted(shots, "scene") + fmt::format(" of {} images", images)
+                      : counted(shots, "frame");
+  print(settings, figures, prose + " with their true range maps written to " + output.string());
 }
 
 }  // namespace palpate::apps

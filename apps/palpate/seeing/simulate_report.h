@@ -2,12 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "palpate/sensing/rig_assessment.h"
+#include "shared/command_line.h"
 
 namespace palpate::apps {
 
@@ -22,7 +23,10 @@ struct ReportLine {
 [[nodiscard]] ReportLine report_line(const std::filesystem::path& picture,
                                      const sensing::RigTrial& trial);
 
-[[nodiscard]] nlohmann::ordered_json report_figures(const ReportLine& line);
-[[nodiscard]] std::string report_table(const std::vector<ReportLine>& lines);
+/// Prints what was simulated.
+/// \param lines of the report; empty if there is none.
+/// \param images of each shot: 1, or those of a still scene.
+void print_simulated(const Settings& settings, const std::vector<ReportLine>& lines,
+                     std::size_t shots, std::size_t images, const std::filesystem::path& output);
 
 }  // namespace palpate::apps

@@ -8,6 +8,7 @@
 
 #include "palpate/core/error.h"
 #include "seeing/decode_shard.h"
+#include "seeing/simulate_shard.h"
 #include "shared/command_line.h"
 #include "shared/folder_lock.h"
 #include "shared/inputs.h"
@@ -40,6 +41,7 @@ void merge_shards(const Settings& settings, const MergeShardsCall& merge) {
   const FolderLock journals(call_file(merge.folder).parent_path());
   if (call.command == "decode") return merge_decode_shards(settings, call, merge.options);
   if (call.command == "mesh") return merge_mesh_shards(settings, call, merge.options);
+  if (call.command == "simulate") return merge_simulate_shards(settings, call, merge.options);
   throw FileError(fmt::format("{}: names the command {}, whose shards this version cannot merge.",
                               call_file(merge.folder).string(), call.command));
 }

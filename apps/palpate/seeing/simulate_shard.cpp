@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "seeing/simulate_shard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+#include "shared/interrupts.h"
+#include "shared/progress.h"
+#include "shared/shard_run.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A frame is told from others by its mesh and its distance.
+fs::path shot_name(const SimulateCall& call, const Shot& shot) {
+  const std::string mesh = call.scene.meshes[shot.mesh].filename().string();
+  return shot.distance ? fs::path(fmt::format("{} at {} mm", mesh, *shot.distance))
+                       : fs::path(mesh);
+}
+
+/// The meshes of which a frame is made: the first one says where all are, and the shutter blurs
+/// towards the next one.
+std::vector<ShardFile> meshes_of(const SimulateCall& call, const Shot& shot) {
+  std::vector<ShardFile> files = {measured(call.scene.meshes[shot.mesh])};
+  if (shot.mesh > 0) files.push_back(measured(call.scene.meshes.front()));
+  if (call.scene.shutter > 0 && shot.mesh + 1 < call.scene.meshes.size())
+    files.push_back(measured(call.scene.meshes[shot.mesh + 1]));
+  return files;
+}
+
+ShardItem simulate_item(const SimulateCall& call, const SimulateSetup& setup, std::size_t number) {
+  const Shot& shot = setup.shots[number];
+  ShardItem item{.number = number,
+                 .name = shot_name(call, shot).string(),
+                 .error = {},
+                 .inputs = meshes_of(call, shot),
+                 .outputs = {},
+                 .result = nullptr};
+  for (const fs::path& file : do_shot(call, setup, call.output, number).files)
+    item.outputs.push_back(measured(file, call.output));
+  return item;
+}
+
+}  // namespace
+
+void simulate_shard(const Settings& settings, const CLI::App& command, const SimulateCall& call,
+                    const SimulateSetup& setup) {
+  std::vector<fs::path> names;
+  for (const Shot& shot : setup.shots) names.push_back(shot_name(call, shot));
+  ShardCall shared = shard_call(command, call.output, *call.shard, names);
+  for (const fs::path& image : panel_files(call, setup.pattern))
+    shared.settings[image.filename().string()] = fingerprint(image);
+  shared.record = {{"images", setup.panels.size()}};
+  const auto earlier = [](const fs::path& folder) {
+    return is_there(folder / "frames") ? std::vector<fs::path>{"frames"} : std::vector<fs::path>{};
+  };
+  ShardRun run(shared, *call.shard, earlier, [&] { write_setup(setup, call.output); });
+  if (run.is_finished()) return run.report(settings, "frame");
+  const ShardBlock block = block_of(*call.shard, setup.shots.size());
+  Progress progress("simulating");
+  const InterruptMessage message("shard " + to_string(*call.shard) + " is not finished");
+  for (std::size_t number = block.first; number < block.end; ++number) {
+    run.add(simulate_item(call, setup, number));
+    progress.show(static_cast<int>(number - block.first) + 1,
+                  static_cast<int>(block.end - block.first));
+  }
+  run.finish();
+  run.report(settings, "frame");
+}
+
+void merge_simulate_shards(const Settings& settings, const ShardCall& call,
+                           const ShardMergeOptions& options) {
+  std::size_t shots = 0;
+  read_shards(call, options, [&](const ShardItem&) { ++shots; });
+  print_simulated(settings, {}, shots, call.record.at("images"), call.output);
+}
+
+}  // namespace palpate::apps

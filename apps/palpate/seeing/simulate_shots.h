@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/virtual_sensor.h"
+#include "seeing/simulate_report.h"
+#include "seeing/simulate_scene.h"
+#include "shared/shard.h"
+
+namespace palpate::apps {
+
+/// A call of `simulate`.
+struct SimulateCall {
+  SceneCall scene;
+  std::filesystem::path rig, pattern, decoder_rig, sensor, output;
+  std::vector<double> distances;
+  bool ideal = false, report = false;
+  std::optional<double> ambient, exposure_distance;
+  std::optional<int> bits;
+  std::optional<int> seed;  ///< in the range of sensor.yaml
+  std::string readout;
+  std::optional<Shard> shard;
+};
+
+/// A frame: a mesh of the sequence at a distance.
+struct Shot {
+  std::size_t mesh = 0;
+  std::optional<double> distance;
+};
+
+/// What all frames have in common.
+struct SimulateSetup {
+  sensing::Rig rig, decoder_rig;
+  sensing::Pattern pattern;
+  std::vector<cv::Mat> panels;  ///< what the projector shows of each shot
+  sensing::VirtualSensor sensor;
+  std::vector<Shot> shots;
+};
+
+/// Reads what all frames have in common.
+/// \throws FileError or InvalidInput if a file is damaged, or does not suit another one.
+[[nodiscard]] SimulateSetup read_setup(const SimulateCall& call);
+
+/// The images of the pattern, which lie beside its file.
+[[nodiscard]] std::vector<std::filesystem::path> panel_files(const SimulateCall& call,
+                                                             const sensing::Pattern& pattern);
+
+/// Writes rig and sensor.
+void write_setup(const SimulateSetup& setup, const std::filesystem::path& output);
+
+/// What was written for a frame.
+struct SimulatedShot {
+  std::optional<ReportLine> line = {};            ///< if there is a report
+  std::vector<std::filesystem::path> files = {};  ///< without the picture of the report
+};
+
+/// Simulates one frame and writes it with its truth. Noise depends on its number.
+/// \throws InvalidInput if the camera sees nothing of the mesh.
+SimulatedShot do_shot(const SimulateCall& call, const SimulateSetup& setup,
+                      const std::filesystem::path& output, std::size_t number);
+
+}  // namespace palpate::apps
