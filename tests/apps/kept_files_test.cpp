@@ -62,6 +62,7 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
   fs::create_directories(scratch / "own");
   fs::copy(demo("rig.yaml"), scratch / "own/rig.yaml");
   fs::create_directory_symlink(scratch / "training", scratch / "link");
+  fs::create_symlink(scratch / "white/plane.png", scratch / "linked.png");
   for (const char* pose : {"0", "1", "2"})
     put(std::string("poses/") + pose + "/graycode_00.jpg", "a picture");
   const std::string s = scratch / "";
@@ -89,6 +90,7 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
       {decode, {"-o", s + "white"}},
       {decode, {"-o", s + "white/range/"}},
       {{"decode", s + "white/plane.png", "--rig", rig, "--pattern", pattern}, {"-o", s + "white"}},
+      {{"decode", s + "linked.png", "--rig", rig, "--pattern", pattern}, {"-o", s + "white"}},
       {{"mesh", s + "white"}, {"-o", s + "white/meshes"}},
       {{"mesh", s + "sheet/surface.ply"}, {"-o", s + "sheet/surface.ply"}},
       {fit, {"-o", s + "sheet"}},

@@ -42,6 +42,14 @@ std::optional<std::string> distortion_of(const cv::Mat& frame) {
       percent(check.second), percent(check.third), check.phase_wave);
 }
 
+// Where a file is; that of a link is where it leads.
+fs::path folder_of(const fs::path& file) {
+  std::error_code not_there;
+  if (fs::is_symlink(file, not_there)) return fs::weakly_canonical(file, not_there).parent_path();
+  const fs::path folder = file.parent_path();
+  return folder.empty() ? "." : folder;
+}
+
 }  // namespace
 
 void doubt_bits_when_read(sensing::SourceFrame& frame) {
@@ -87,10 +95,13 @@ sensing::FrameSource open_frames(const std::vector<fs::path>& frames, const std:
   if (!bayer.empty()) options.bayer = sensing::bayer_pattern(bayer);
   sensing::FrameSource source(frames, options);
   check_outputs(frames, {output});
+  fs::path looked_at;  // most frames lie in one folder, and each look takes its time
   for (const fs::path& file : source.files()) {
+    const fs::path folder = folder_of(file);
+    if (folder == looked_at) continue;
+    looked_at = folder;
     std::error_code not_there;
-    if (!fs::equivalent(fs::weakly_canonical(file, not_there).parent_path(), output, not_there))
-      continue;
+    if (!fs::equivalent(folder, output, not_there)) continue;
     throw InvalidInput(file.string() + ": lies in " + output.string() +
                        ", the output folder, so results could replace frames of the same "
                        "name. Choose another --output.");

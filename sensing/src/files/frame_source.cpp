@@ -180,11 +180,12 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   std::vector<fs::path> images;
   for (fs::directory_iterator entry(folder, error); entry != fs::directory_iterator();
        entry.increment(error)) {
+    if (!has_frame_name(entry->path()) || is_hidden(entry->path())) continue;
     std::error_code ignored;  // an inaccessible entry is not an image
-    const fs::file_type type = entry->status(ignored).type();
-    // A link that leads nowhere is a frame that is missing; its reader says so.
-    if ((type == fs::file_type::regular || type == fs::file_type::not_found) &&
-        has_frame_name(entry->path()) && !is_hidden(entry->path()))
+    // The folder itself tells which entries are files; only links have to be followed. One that
+    // leads nowhere is a frame that is missing; its reader says so.
+    if (entry->is_regular_file(ignored) ||
+        entry->status(ignored).type() == fs::file_type::not_found)
       images.push_back(entry->path());
   }
   if (error)
