@@ -1,4 +1,4 @@
-#!/bin/sh
+#!/usr/bin/env bash
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 # The job of one shard on Slurm. Edit it for your site: partition, account, modules. One job holds one command.

@@ -14,6 +14,7 @@ shards=$1
 shift
 template=${PALPATE_TEMPLATE:-$(dirname "$0")/slurm.sh}
 largest=${PALPATE_ARRAY:-1000}
+mkdir -p "${PALPATE_LOGS:-.}"  # Slurm does not
 jobs=()
 for ((offset = 0; offset < shards; offset += largest)); do
   size=$((shards - offset < largest ? shards - offset : largest))

@@ -16,7 +16,7 @@ def options_in(text):
 def listed(program, path=()):
     """The commands with their options, as --help-all lists them: the name of each on a line of its own."""
     text = subprocess.run([program, *path, "--help-all"], check=True, capture_output=True, text=True).stdout
-    head, *blocks = re.split(r"^([a-z]+)\n", text, flags=re.M)
+    head, *blocks = re.split(r"^([a-z-]+)\n", text, flags=re.M)
     yield path, options_in(head)
     for name, body in zip(blocks[::2], blocks[1::2]):
         if "  Subcommands:\n" in body:

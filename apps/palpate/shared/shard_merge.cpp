@@ -57,10 +57,10 @@ void check_block(const ShardCall& call, const ShardJournal& journal) {
   }
   if (number == block.end && journal.items.size() == block.end - block.first) return;
   throw FileError(
-      fmt::format("{}: does not list items {} to {}, one after the other. Make shard {} "
+      fmt::format("{}: does not list the {} items from {} on, one after the other. Make shard {} "
                   "again, {}",
-                  journal_file(call.output, journal.shard).string(), block.first, block.end,
-                  to_string(journal.shard), how_to_make(call, journal.shard)));
+                  journal_file(call.output, journal.shard).string(), block.end - block.first,
+                  block.first, to_string(journal.shard), how_to_make(call, journal.shard)));
 }
 
 /// \throws Error that names the missing shards.

@@ -21,7 +21,7 @@ namespace palpate::apps {
 ///
 /// A shard writes only the files of its own items, each as a whole, and at its end its journal.
 /// What all shards have in common is written by the first one, and again by those that start at the
-/// same time, with the same content. So shards may run in any order, at once, and twice at once.
+/// same time, with the same settings. So shards may run in any order, at once, and twice at once.
 class ShardRun {
  public:
   /// Lists results in the folder that are not those of shards.

@@ -28,6 +28,10 @@ class BucketQueue {
     ++count_;
   }
 
+  /// Whether an event at a distance comes after all those of nearer buckets; the last bucket has no
+  /// order.
+  [[nodiscard]] bool is_in_order(double distance) const { return distance * per_width_ < kMost; }
+
   [[nodiscard]] std::optional<Event> pop() {
     if (count_ == 0) return std::nullopt;
     while (next_ == buckets_[nearest_].size()) close();

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/geodesic_surface.h"
 
+#include <memory>
+#include <utility>
+
 #include "geodesic/geodesic_surface_data.h"
 
 namespace palpate::geometry {

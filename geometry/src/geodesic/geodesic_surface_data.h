@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <mutex>
+#include <atomic>
+#include <memory>
 
 #include "geodesic/flat_triangles.h"
 #include "mesh/triangle_fans.h"
@@ -10,20 +11,29 @@
 
 namespace palpate::geometry {
 
-/// A value that is made when it is first needed, by any thread.
+/// A value that is made when it is first needed. Threads that need it at once may each make it; the
+/// first one is kept.
 template <class Value>
 class MadeOnce {
  public:
+  MadeOnce() = default;
+  MadeOnce(const MadeOnce&) = delete;
+  MadeOnce& operator=(const MadeOnce&) = delete;
+  ~MadeOnce() { delete made_.load(); }
+
   /// \param make  what it throws is thrown, and the next call tries again
   template <class Make>
   const Value& get(const Make& make) const {
-    std::call_once(made_, [&] { value_ = make(); });
-    return value_;
+    const Value* made = made_.load();
+    if (made == nullptr) {
+      auto own = std::make_unique<const Value>(make());
+      if (made_.compare_exchange_strong(made, own.get())) made = own.release();
+    }
+    return *made;
   }
 
  private:
-  mutable std::once_flag made_;
-  mutable Value value_;
+  mutable std::atomic<const Value*> made_ = nullptr;
 };
 
 struct GeodesicSurface::Impl {

@@ -146,6 +146,7 @@ void WindowPropagation::expect_edges_at(int vertex) {
     const double there = distance(flat_[next_half_edge(h)].start);
     if (there == kInfinity) continue;
     const double farthest = (distance(vertex) + there + flat_[h].length) / 2;
+    if (!arrivals_.is_in_order(farthest + together_)) continue;
     arrivals_.push(
         {.distance = farthest + together_, .index = flat_[h].edge, .at = ArrivalAt::whole_edge});
   }

@@ -89,7 +89,7 @@ bool is_beyond(const FaceNodes& nodes, double radius) {
   Eigen::Vector3d nearest = hull.col(index);
   for (int step = 0; step < kSteps; ++step) {
     const double support = (nearest.transpose() * hull).minCoeff(&index);
-    if (support >= radius * nearest.norm()) return true;
+    if (support > radius * nearest.norm()) return true;
     const Eigen::Vector3d way = hull.col(index) - nearest;
     const double length = way.squaredNorm();
     if (length == 0) return false;

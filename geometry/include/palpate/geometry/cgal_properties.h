@@ -79,8 +79,8 @@ void add_properties(const Attributes& attributes, const std::string& prefix, Sur
     for (Eigen::Index i = 0; i < found->cols(); ++i) {
       std::array<unsigned char, 4> bytes{};
       for (int k = 0; k < 4; ++k)
-        bytes[static_cast<std::size_t>(k)] =
-            static_cast<unsigned char>(std::lround(255 * std::clamp((*found)(k, i), 0.0, 1.0)));
+        bytes[static_cast<std::size_t>(k)] = static_cast<unsigned char>(
+            std::lround(255 * std::min(1.0, std::max(0.0, (*found)(k, i)))));
       map[at(i)] = CGAL::IO::Color(bytes[0], bytes[1], bytes[2], bytes[3]);
     }
   }

@@ -105,9 +105,11 @@ template <class Point>
 /// Converts a cloud with what its attributes and the type of points both have of normals and
 /// colours, as organised as before; fields without an attribute keep PCL's default.
 /// \tparam Point  any of PCL's point types with x, y and z.
-/// \throws InvalidInput unless width * height is the number of points.
+/// \throws InvalidInput unless width * height is the number of points, and if an attribute has not
+/// one element for each point.
 template <class Point>
 [[nodiscard]] pcl::PointCloud<Point> to_point_cloud_of(const PointCloud& from) {
+  check_attributes(from.attributes, from.points.cols(), "point cloud");
   if (from.width * from.height != from.points.cols())
     throw InvalidInput("point cloud: is " + std::to_string(from.width) + " x " +
                        std::to_string(from.height) + ", but has " +
