@@ -15,6 +15,7 @@
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
 #include "shared/interrupts.h"
+#include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "window.h"
 

@@ -205,6 +205,18 @@ TEST_F(Shards, MayBeWrittenTwiceAtOnce) {
   EXPECT_EQ(results("range"), results("serial"));
 }
 
+TEST_F(Shards, AreDoneAgainWhenAFrameThatWasMissingIsThere) {
+  fs::remove(scratch / "frames/11.png");
+  fs::remove(scratch / "frames/2.png");
+  fs::create_symlink(scratch / "late.png", scratch / "frames/2.png");
+  decode_shards("range", {"1/1"});
+  EXPECT_EQ(merge("range").status, kWorkFailed) << "a frame is missing";
+  fs::copy(demo("frames/flag_a.png"), scratch / "late.png");
+  decode_shards("range", {"1/1"});
+  const CommandResult merged = merge("range");
+  EXPECT_EQ(merged.status, kDone) << merged.err;
+}
+
 TEST_F(Shards, ThatAreMissingAreNamedWithTheCallThatMakesThem) {
   decode_shards("range", {"2/4", "3/4"});
   const CommandResult missing = merge("range");

@@ -119,7 +119,11 @@ def by_snakemake(sequence):
 def by_parallel(sequence):
     sequence.run(REPOSITORY / "cluster" / "parallel.sh", SHARDS, *sequence.call("parallel"))
     sequence.run("palpate", "merge-shards", "parallel")
-    return f"{len(sequence.journals('parallel'))} journals"
+    # A list of finished jobs from another command must not hide these.
+    sequence.run(REPOSITORY / "cluster" / "parallel.sh", SHARDS, "palpate", "mesh", "parallel", "-o", "parallel-meshes")
+    if len(sequence.journals("parallel-meshes")) != SHARDS:
+        raise Wrong("a second command in the same folder made no shards")
+    return f"{len(sequence.journals('parallel'))} journals, and as many of a second command"
 
 
 def main():

@@ -15,6 +15,7 @@
 #include "shared/color_picture.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "surfaces/mesh_steps.h"
 
 namespace palpate::apps {

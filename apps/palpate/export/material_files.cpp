@@ -13,6 +13,7 @@
 #include "palpate/probing/simulator_files.h"
 #include "palpate/probing/specimen_file.h"
 #include "shared/call_checks.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 

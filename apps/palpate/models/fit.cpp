@@ -28,6 +28,7 @@
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/output_checks.h"
 #include "shared/plausible.h"
 #include "shared/progress.h"
 #include "shared/words.h"

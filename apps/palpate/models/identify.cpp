@@ -23,6 +23,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
+#include "shared/output_checks.h"
 #include "shared/plausible.h"
 #include "shared/progress.h"
 

@@ -15,8 +15,8 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/output_checks.h"
 #include "shared/pose_file.h"
 #include "shared/scan_registration.h"
 

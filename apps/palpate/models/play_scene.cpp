@@ -19,7 +19,7 @@
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/scene_file.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/play_friction.h"
 #include "shared/words.h"
 

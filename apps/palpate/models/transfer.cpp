@@ -25,8 +25,8 @@
 #include "palpate/probing/csv.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/output_checks.h"
 #include "shared/words.h"
 
 namespace palpate::apps {

@@ -27,7 +27,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "shared/words.h"
 

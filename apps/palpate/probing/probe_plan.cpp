@@ -17,7 +17,7 @@
 #include "probing/probe.h"
 #include "shared/call_checks.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/scene_needs.h"
 
 namespace palpate::apps {

@@ -17,7 +17,7 @@
 #include "probing/probe.h"
 #include "probing/probe_campaign.h"
 #include "shared/call_checks.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

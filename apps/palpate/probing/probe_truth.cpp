@@ -19,7 +19,7 @@
 #include "probing/probe_truth.h"
 #include "shared/call_checks.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {

@@ -26,6 +26,7 @@
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/plausible.h"
 #include "shared/pose_file.h"
 #include "shared/progress.h"

@@ -15,7 +15,7 @@
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/trained_colors.h"
 #include "shared/command_line.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

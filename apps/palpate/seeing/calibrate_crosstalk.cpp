@@ -15,6 +15,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

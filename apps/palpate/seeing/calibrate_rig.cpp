@@ -22,6 +22,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {

@@ -21,6 +21,7 @@
 #include "seeing/printed_board.h"
 #include "shared/call_checks.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

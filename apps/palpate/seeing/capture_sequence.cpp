@@ -22,8 +22,8 @@
 #include "seeing/projector_window.h"
 #include "shared/call_checks.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
 #include "shared/interrupts.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

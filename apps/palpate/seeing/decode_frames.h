@@ -14,7 +14,7 @@
 #include "palpate/sensing/response.h"
 #include "seeing/decode_outputs.h"
 #include "seeing/decode_report.h"
-#include "shared/shard.h"
+#include "shards/shard.h"
 
 namespace palpate::apps {
 

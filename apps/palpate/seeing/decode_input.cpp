@@ -14,7 +14,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/sensing/harmonics.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

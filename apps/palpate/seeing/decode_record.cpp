@@ -16,10 +16,10 @@
 #include "palpate/geometry/median.h"
 #include "palpate/probing/csv.h"
 #include "seeing/decode_outputs.h"
+#include "shards/shard_journal.h"
 #include "shared/field_options.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
-#include "shared/shard_journal.h"
 
 namespace palpate::apps {
 namespace {

@@ -12,8 +12,8 @@
 #include "palpate/sensing/reason.h"
 #include "seeing/decode_outputs.h"
 #include "seeing/decode_record.h"
+#include "shards/shard_journal.h"
 #include "shared/command_line.h"
-#include "shared/shard_journal.h"
 
 namespace palpate::apps {
 

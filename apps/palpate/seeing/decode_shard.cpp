@@ -13,9 +13,9 @@
 #include "palpate/sensing/rig.h"
 #include "seeing/decode_record.h"
 #include "seeing/decode_report.h"
+#include "shards/shard_run.h"
 #include "shared/interrupts.h"
 #include "shared/progress.h"
-#include "shared/shard_run.h"
 
 namespace palpate::apps {
 namespace {

@@ -7,9 +7,9 @@
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/frame_source.h"
 #include "seeing/decode_frames.h"
+#include "shards/shard.h"
+#include "shards/shard_merge.h"
 #include "shared/command_line.h"
-#include "shared/shard.h"
-#include "shared/shard_merge.h"
 
 namespace palpate::apps {
 

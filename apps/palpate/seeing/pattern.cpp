@@ -25,6 +25,7 @@
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

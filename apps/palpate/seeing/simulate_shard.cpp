@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "shards/shard_run.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/interrupts.h"
 #include "shared/progress.h"
-#include "shared/shard_run.h"
 
 namespace palpate::apps {
 namespace {

@@ -5,9 +5,9 @@
 #include <CLI/CLI.hpp>
 
 #include "seeing/simulate_shots.h"
+#include "shards/shard.h"
+#include "shards/shard_merge.h"
 #include "shared/command_line.h"
-#include "shared/shard.h"
-#include "shared/shard_merge.h"
 
 namespace palpate::apps {
 

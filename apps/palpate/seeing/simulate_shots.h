@@ -14,7 +14,7 @@
 #include "palpate/sensing/virtual_sensor.h"
 #include "seeing/simulate_report.h"
 #include "seeing/simulate_scene.h"
-#include "shared/shard.h"
+#include "shards/shard.h"
 
 namespace palpate::apps {
 

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <regex>
 #include <string>
 #include <vector>
 
@@ -90,27 +89,6 @@ void tell_doubts(const std::string& source, const std::vector<sensing::Doubt>& d
 
 /// Whether `path` exists; false if it is not accessible.
 [[nodiscard]] bool is_there(const std::filesystem::path& path);
-
-/// Checks, before anything is computed, that each output can be written and overwrites no input or
-/// other output. Empty paths stand for options that were not given.
-/// \throws InvalidInput if one of `outputs` equals, or lies in, one of `inputs` or another of
-/// `outputs`.
-/// \throws OutputError if the folder of an output is a file or may not be written to.
-void check_outputs(const std::vector<std::filesystem::path>& inputs,
-                   const std::vector<std::filesystem::path>& outputs);
-
-/// The same for a folder that is replaced completely.
-/// \throws InvalidInput also if one of `inputs` lies in `folder`.
-void check_output_folder(const std::vector<std::filesystem::path>& inputs,
-                         const std::filesystem::path& folder);
-
-/// Lists the entries of `folder` that an earlier run of the same command wrote, and which may be
-/// replaced. `own` matches the paths of the files that the command writes, relative to the folder
-/// and with slashes; `mark` is a file that it always writes.
-/// \throws InvalidInput if `folder` is a file, holds any other file, or holds files but not `mark`.
-[[nodiscard]] std::vector<std::filesystem::path> own_entries(const std::filesystem::path& folder,
-                                                             const std::string& mark,
-                                                             const std::regex& own);
 
 /// The meshes of a folder by name, without those in folders of it: files with the usual endings.
 [[nodiscard]] std::vector<std::filesystem::path> list_meshes(const std::filesystem::path& folder);

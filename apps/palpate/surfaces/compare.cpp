@@ -30,6 +30,7 @@
 #include "shared/depth_score.h"
 #include "shared/field_options.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "surfaces/in_both.h"
 

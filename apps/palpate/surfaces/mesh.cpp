@@ -14,6 +14,7 @@
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "surfaces/mesh_sequence.h"
 #include "surfaces/mesh_steps.h"

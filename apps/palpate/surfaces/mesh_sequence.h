@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "shards/shard.h"
+#include "shards/shard_merge.h"
 #include "shared/command_line.h"
-#include "shared/shard.h"
-#include "shared/shard_merge.h"
 #include "surfaces/mesh_steps.h"
 
 namespace palpate::apps {

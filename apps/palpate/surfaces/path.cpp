@@ -21,7 +21,7 @@
 #include "palpate/geometry/triangle_mesh.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {

@@ -17,17 +17,18 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/surface_tracker.h"
-#include "palpate/pictures/draw_distances.h"
 #include "shared/call_checks.h"
 #include "shared/color_picture.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "shared/result_folder.h"
 #include "surfaces/node_motions_file.h"
 #include "surfaces/tool_places.h"
+#include "surfaces/track_outputs.h"
 #include "surfaces/track_record.h"
 
 namespace palpate::apps {
@@ -45,33 +46,12 @@ constexpr double kHeldStiffness = 0.01;
 struct TrackCall {
   fs::path input, reference, acquisition, output;
   fs::path color_images;  ///< folder; empty: depths alone
-  fs::path place;         ///< where this run writes, for `output`
   MapCamera camera;
-  std::string format = "ply";
   geometry::ReadOptions meshes;
   geometry::TrackingOptions tracking;
-  bool pictures = false;
+  TrackOutputs outputs;  ///< in the folder where this run writes, for `output`
   bool resume = false;
 };
-
-fs::path mesh_name(const TrackCall& call, const fs::path& range_map) {
-  return range_map.stem().string() + "." + call.format;
-}
-fs::path mesh_file(const TrackCall& call, const fs::path& range_map) {
-  return call.place / mesh_name(call, range_map);
-}
-fs::path nodes_file(const TrackCall& call, const fs::path& range_map) {
-  return call.place / "nodes" / (range_map.stem().string() + ".ply");
-}
-fs::path picture_file(const TrackCall& call, const fs::path& range_map) {
-  return call.place / (range_map.stem().string() + ".png");
-}
-
-bool is_complete(const TrackCall& call, const TrackedFrame& frame) {
-  return !frame.lost.empty() || (is_there(mesh_file(call, frame.range_map)) &&
-                                 is_there(nodes_file(call, frame.range_map)) &&
-                                 (!call.pictures || is_there(picture_file(call, frame.range_map))));
-}
 
 /// The surface to track, and the file that it comes from.
 struct Reference {
@@ -121,52 +101,11 @@ nlohmann::ordered_json settings_of(TrackCall call, const fs::path& reference,
       {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
       {"--scale", call.camera.scale.value_or(0)},
       {"--intrinsics", call.camera.intrinsics},
-      {"--format", call.format}};
+      {"--format", call.outputs.format}};
   settings.update(option_values(fields_of(call.tracking)));
   settings.update(option_values(fields_of(call.camera.selection)));
   settings["--mask"] = call.camera.mask.string();
   return settings;
-}
-
-/// Draws the surface that was found in `range_map`, unless nothing of it was measured.
-void draw(const TrackCall& call, const fs::path& range_map, const Eigen::Matrix3Xi& triangles,
-          const geometry::TrackedSurface& found) {
-  const geometry::DeformedSurface& surface = found.surface;
-  const geometry::TriangleMesh mesh{.vertices = surface.vertices, .triangles = triangles};
-  Eigen::VectorXd distances(mesh.triangles.cols());  // NaN unless all corners are measured
-  for (Eigen::Index t = 0; t < distances.size(); ++t)
-    distances[t] = surface.distance(mesh.triangles.col(t)).mean();
-  const geometry::ErrorStatistics error =
-      geometry::error_statistics({distances.begin(), distances.end()});
-  if (error.count == 0) return;
-  pictures::draw_distances(
-      picture_file(call, range_map), mesh, distances,
-      {.title =
-           range_map.filename().string() + ": distance of the tracked surface from the range map",
-       .subtitle =
-           fmt::format("root mean square {:.3f} mm; grey was not measured", found.figures.rms),
-       .limit = std::max(error.p95, kLeastScale)});
-}
-
-/// Writes what the tracker found. The record of the frame has to be written after it.
-void write(const TrackCall& call, const fs::path& range_map, const geometry::Attributes& colors,
-           const geometry::DeformationGraph& graph, const geometry::TrackedSurface& found) {
-  const Eigen::Matrix3Xi& triangles = graph.mesh().triangles;
-  geometry::MeshFile mesh;
-  mesh.vertex_attributes = colors;
-  mesh.mesh = {.vertices = found.surface.vertices, .triangles = triangles};
-  const auto add = [&](const char* name, const Eigen::VectorXd& values) {
-    geometry::set_attribute(mesh.vertex_attributes,
-                            {.name = name,
-                             .values = std::vector<float>(values.begin(), values.end()),
-                             .list_sizes = {}});
-  };
-  add("distance", found.surface.distance);
-  add("sigma_across", found.surface.sigma_across);
-  add("sigma_along", found.surface.sigma_along);
-  if (call.pictures) draw(call, range_map, triangles, found);
-  write_node_motions(nodes_file(call, range_map), graph, found.surface.node_motions);
-  geometry::write_mesh_file(mesh_file(call, range_map), mesh);
 }
 
 /// The frames, and what this run has to say of them beyond the record.
@@ -244,8 +183,8 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
   }
   const auto last = std::find_if(tracking.frames.rbegin(), tracking.frames.rend(), is_found);
   if (last != tracking.frames.rend())
-    tracker.start_from(
-        read_node_motions(nodes_file(call, last->range_map), tracker.graph().nodes().cols()));
+    tracker.start_from(read_node_motions(nodes_file(call.outputs, last->range_map),
+                                         tracker.graph().nodes().cols()));
   Progress progress("tracking");
   const InterruptMessage message({});
   const auto show = [&] {
@@ -263,7 +202,8 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
     if (tracker.has_start()) {
       if (tracking.recorded == tracking.kept) folder.begin();
       record.begin();
-      if (was_found) write(call, file, reference.colors, tracker.graph(), result.found);
+      if (was_found)
+        write_outputs(call.outputs, file, reference.colors, tracker.graph(), result.found);
       for (; tracking.recorded < tracking.frames.size(); ++tracking.recorded)
         record.add(tracking.frames[tracking.recorded]);
     }
@@ -307,7 +247,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
     nlohmann::ordered_json entry = to_json(frame);
     entry["kept"] = i < tracking.kept;
     if (frame.lost.empty()) {
-      const std::string file = (call.output / mesh_name(call, frame.range_map)).string();
+      const std::string file = (call.output / mesh_name(call.outputs, frame.range_map)).string();
       entry["file"] = file;
       const geometry::TrackingFigures& figures = frame.figures;
       rms.push_back(figures.rms);
@@ -386,10 +326,10 @@ void track(const Settings& settings, TrackCall call) {
   const Reference reference = load_reference(call, maps.front());
   using enum ResultFolder::Unfinished;
   ResultFolder folder(call.output, tracked_files, call.resume ? resumed : kept);
-  call.place = folder.place();
+  call.outputs.folder = folder.place();
   TrackRecord record(folder.place(), settings_of(call, reference.file, maps.front()), maps);
   if (call.resume)
-    record.resume([&](const TrackedFrame& frame) { return is_complete(call, frame); });
+    record.resume([&](const TrackedFrame& frame) { return has_outputs(call.outputs, frame); });
   Tracking tracking{
       .frames = record.kept(), .kept = record.kept().size(), .recorded = record.kept().size()};
   try {
@@ -431,7 +371,7 @@ void add_track(CLI::App& app, const Settings& settings) {
   add_selection_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Folder for the meshes")->required();
-  command->add_option("--format", call->format, "Format of the meshes: ply or obj")
+  command->add_option("--format", call->outputs.format, "Format of the meshes: ply or obj")
       ->check(one_of({"ply", "obj"}))
       ->capture_default_str();
   const std::vector<CLI::Option*> tracking = add_fields(*command, fields_of(call->tracking));
@@ -440,7 +380,7 @@ void add_track(CLI::App& app, const Settings& settings) {
       "Campaign of the range maps (acquisition.db of palpate probe run --camera). Its samples give "
       "the position of each contact, which the tool hides in the range map. Implies "
       "--from-reference, --hold 0.003 and --stiffness 0.01 unless these are given");
-  command->add_flag("--pictures", call->pictures,
+  command->add_flag("--pictures", call->outputs.pictures,
                     "Also draw each mesh coloured by its distance from the range map (PNG)");
   command->add_flag("--resume", call->resume,
                     "Keep the frames that an earlier run with the same settings finished in this "

@@ -9,10 +9,10 @@
 #include "palpate/core/error.h"
 #include "seeing/decode_shard.h"
 #include "seeing/simulate_shard.h"
+#include "shards/shard_merge.h"
 #include "shared/command_line.h"
 #include "shared/folder_lock.h"
 #include "shared/inputs.h"
-#include "shared/shard_merge.h"
 #include "surfaces/mesh_sequence.h"
 
 namespace palpate::apps {

@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "palpate/core/error.h"
-#include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "shared/wrong_call.h"
 #include "whole/all_commands.h"
 

@@ -21,6 +21,7 @@
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/inputs.h"
+#include "shared/output_checks.h"
 #include "whole/trade_plot.h"
 #include "whole/trade_sweep.h"
 

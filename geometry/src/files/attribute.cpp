@@ -91,6 +91,16 @@ std::optional<Eigen::Matrix4Xd> colors(const Attributes& attributes) {
   return result;
 }
 
+std::optional<Eigen::Matrix<std::uint8_t, 4, Eigen::Dynamic>> color_bytes(
+    const Attributes& attributes) {
+  const std::optional<Eigen::Matrix4Xd> shares = colors(attributes);
+  if (!shares) return std::nullopt;
+  constexpr double kFull = std::numeric_limits<std::uint8_t>::max();
+  return shares->unaryExpr([](double share) {
+    return static_cast<std::uint8_t>(std::lround(kFull * std::min(1.0, std::max(0.0, share))));
+  });
+}
+
 void set_attribute(Attributes& attributes, Attribute attribute) {
   const auto same = std::find_if(attributes.begin(), attributes.end(),
                                  [&](const Attribute& a) { return a.name == attribute.name; });

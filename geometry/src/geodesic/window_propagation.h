@@ -16,8 +16,9 @@
 namespace palpate::geometry {
 
 /// The windows of all sources on the mesh (Mitchell, Mount and Papadimitriou 1987), passed on in
-/// buckets of the distance. What comes too early is corrected later, so the order has no effect on
-/// the result beyond rounding.
+/// buckets of the distance. What comes too early within a bucket is corrected later, so the order
+/// there has no effect on the result beyond rounding. An edge is finished when the buckets of all
+/// that could be nearer are done.
 class WindowPropagation {
  public:
   /// `flat` must outlive the propagation; lengths are in its unit.

@@ -195,6 +195,26 @@ TEST(PclCloud2, ARoundTripKeepsAllAttributesInTheirTypes) {
   expect_same(back.vertex_attributes, file.vertex_attributes);
 }
 
+TEST(PclCloud2, KeepsTheAlphaOfColoursThatHaveOne) {
+  pcl::PointCloud<pcl::PointXYZRGBA> points(2, 1);
+  points[1].r = 10;
+  points[1].g = 20;
+  points[1].b = 30;
+  points[1].a = 40;
+  pcl::PCLPointCloud2 packed;
+  pcl::toPCLPointCloud2(points, packed);
+  const auto bytes = color_bytes(from_pcl_cloud2(packed).attributes);
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(bytes->col(1).cast<int>(), Eigen::Vector4i(10, 20, 30, 40));
+}
+
+TEST(PclCloud, AnAttributeOfAnotherLengthIsRefused) {
+  PointCloud cloud = organised_cloud(small_map());
+  set_normals(cloud.attributes, Eigen::Matrix3Xd::Ones(3, 40));
+  EXPECT_NE(refusal([&] { return to_point_cloud_of<pcl::PointNormal>(cloud); }).find("40 elements"),
+            std::string::npos);
+}
+
 TEST(PclCloud2, NamesWhatIsMissing) {
   PointCloud cloud = organised_cloud(small_map());
   pcl::PCLPointCloud2 packed = to_pcl_cloud2(cloud);

@@ -55,6 +55,18 @@ TEST(Attribute, WhatIsNotThereOrOfListsIsNone) {
   EXPECT_EQ(element_count(attributes.back()), 1);
 }
 
+TEST(Attribute, ColorsBecomeBytesAlsoWhereTheyAreOutOfRange) {
+  Attributes attributes;
+  const std::vector<double> values = {0.2, -3, 1.5, std::numeric_limits<double>::quiet_NaN()};
+  for (const char* name : {"red", "green", "blue"})
+    set_attribute(attributes, {.name = name, .values = values, .list_sizes = {}});
+  const auto bytes = color_bytes(attributes);
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(bytes->row(1).cast<int>(), Eigen::RowVector4i(51, 0, 255, 0));
+  EXPECT_EQ(bytes->row(3).cast<int>(), Eigen::RowVector4i(255, 255, 255, 255));
+  EXPECT_FALSE(color_bytes({}));
+}
+
 TEST(Attribute, RefusesColorsOutOfRange) {
   Attributes attributes;
   Eigen::MatrixXd color = Eigen::MatrixXd::Constant(3, 2, 0.5);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <utility>
 #include <vector>
@@ -51,6 +52,23 @@ TEST(ContactSystem, TheTipActsOnAllPointsWithinItsRadius) {
     touched += within.size();
   }
   EXPECT_GT(touched, 10000U);
+}
+
+TEST(ContactSystem, TheTipActsOnAFaceWithANodeAtItsCentre) {
+  DeformableBody body;
+  body.mesh = box_mesh(evenly(-15, 15, 3), evenly(-12, 12, 3), evenly(0, 12, 2));
+  body.materials = {{.shear_modulus = 0.03, .bulk_modulus = 0.3}};
+  const ContactSystem system(body, {.tip_radius = 4});
+  ContactState start;
+  start.positions = body.mesh.nodes;
+  for (int k = 0; k < 6; ++k) {
+    const int node = system.faces().front().face.nodes[k];
+    start.tip = body.mesh.nodes.col(node);
+    const SystemForces forces = system.forces(start.positions, start.tip, &start);
+    EXPECT_TRUE(std::ranges::any_of(forces.contacts,
+                                    [](const FaceContact& contact) { return contact.face == 0; }))
+        << "node " << node;
+  }
 }
 
 }  // namespace

@@ -52,6 +52,11 @@ using Attributes = std::vector<Attribute>;
 /// green and blue exist.
 [[nodiscard]] std::optional<Eigen::Matrix4Xd> colors(const Attributes& attributes);
 
+/// The same, each rounded to one byte, for programs that take no others: numbers outside [0, 1]
+/// count as the nearer end, NaN as 0.
+[[nodiscard]] std::optional<Eigen::Matrix<std::uint8_t, 4, Eigen::Dynamic>> color_bytes(
+    const Attributes& attributes);
+
 /// Adds an attribute, or replaces the one with the same name.
 void set_attribute(Attributes& attributes, Attribute attribute);
 

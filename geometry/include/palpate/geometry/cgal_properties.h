@@ -6,8 +6,6 @@
 #include <CGAL/Kernel_traits.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -25,7 +23,7 @@
 ///
 /// Names are those of CGAL's readers: "v:normal" and "f:normal" of the kernel's vectors, "v:color"
 /// and "f:color" of CGAL::IO::Color, and for each other attribute "v:NAME" or "f:NAME" of its type
-/// of numbers. Attributes with lists are left out.
+/// of numbers. CGAL's colours always have an alpha. Attributes with lists are left out.
 namespace palpate::geometry {
 namespace cgal_detail {
 
@@ -74,14 +72,11 @@ void add_properties(const Attributes& attributes, const std::string& prefix, Sur
     for (Eigen::Index i = 0; i < found->cols(); ++i)
       map[at(i)] = Vector((*found)(0, i), (*found)(1, i), (*found)(2, i));
   }
-  if (const auto found = colors(attributes)) {
+  if (const auto bytes = color_bytes(attributes)) {
     auto map = surface.template add_property_map<Index, CGAL::IO::Color>(prefix + "color").first;
-    for (Eigen::Index i = 0; i < found->cols(); ++i) {
-      std::array<unsigned char, 4> bytes{};
-      for (int k = 0; k < 4; ++k)
-        bytes[static_cast<std::size_t>(k)] = static_cast<unsigned char>(
-            std::lround(255 * std::min(1.0, std::max(0.0, (*found)(k, i)))));
-      map[at(i)] = CGAL::IO::Color(bytes[0], bytes[1], bytes[2], bytes[3]);
+    for (Eigen::Index i = 0; i < bytes->cols(); ++i) {
+      const auto color = bytes->col(i);
+      map[at(i)] = CGAL::IO::Color(color[0], color[1], color[2], color[3]);
     }
   }
   for (const Attribute& attribute : attributes) {

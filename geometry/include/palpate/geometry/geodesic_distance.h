@@ -49,9 +49,8 @@ struct GeodesicDistance {
 /// of the mean edge length. Rounding decides between equally near sources; of several in one place
 /// the lowest wins. At most two triangles, of the same orientation, may share an edge, and all must
 /// have an area.
-/// \throws InvalidInput if there is no source, a source is not on the mesh,
-/// or stop_radius <= 0; from `exact` also naming an edge with a third or turned triangle, or a
-/// triangle without area.
+/// \throws InvalidInput if there is no source, a source is not on the mesh, or stop_radius <= 0;
+/// from `exact` also naming an edge with a third or turned triangle, or a triangle without area.
 [[nodiscard]] GeodesicDistance geodesic_distance(const GeodesicSurface& surface,
                                                  std::span<const SurfacePoint> sources,
                                                  const GeodesicOptions& options = {});

@@ -16,7 +16,8 @@ namespace palpate::geometry {
 class GeodesicSurface {
  public:
   /// \throws InvalidInput if the mesh is not valid.
-  GeodesicSurface(const TriangleMesh& mesh);  // not explicit: see above
+  // NOLINTNEXTLINE(google-explicit-constructor): so that a mesh can be passed, see above
+  GeodesicSurface(const TriangleMesh& mesh);
 
   [[nodiscard]] const TriangleMesh& mesh() const;
 

@@ -33,6 +33,18 @@
 /// `depths_in`. All `to_...` and `from_...` functions copy, since Palpate's coordinates are double.
 namespace palpate::geometry {
 
+namespace pcl_detail {
+
+inline void check_cloud(const PointCloud& cloud) {
+  check_attributes(cloud.attributes, cloud.points.cols(), "point cloud");
+  if (cloud.width * cloud.height != cloud.points.cols())
+    throw InvalidInput("point cloud: is " + std::to_string(cloud.width) + " x " +
+                       std::to_string(cloud.height) + ", but has " +
+                       std::to_string(cloud.points.cols()) + " points");
+}
+
+}  // namespace pcl_detail
+
 /// Converts points (3 x N) to a cloud of N x 1, without a change of unit; `is_dense` iff all are
 /// finite.
 [[nodiscard]] inline pcl::PointCloud<pcl::PointXYZ> to_point_cloud(
@@ -109,11 +121,7 @@ template <class Point>
 /// one element for each point.
 template <class Point>
 [[nodiscard]] pcl::PointCloud<Point> to_point_cloud_of(const PointCloud& from) {
-  check_attributes(from.attributes, from.points.cols(), "point cloud");
-  if (from.width * from.height != from.points.cols())
-    throw InvalidInput("point cloud: is " + std::to_string(from.width) + " x " +
-                       std::to_string(from.height) + ", but has " +
-                       std::to_string(from.points.cols()) + " points");
+  pcl_detail::check_cloud(from);
   pcl::PointCloud<Point> cloud(static_cast<std::uint32_t>(from.width),
                                static_cast<std::uint32_t>(from.height));
   positions(cloud) = from.points.cast<float>();
@@ -125,14 +133,12 @@ template <class Point>
     }
   }
   if constexpr (pcl::traits::has_color<Point>::value) {
-    if (const auto found = colors(from.attributes)) {
-      for (Eigen::Index i = 0; i < found->cols(); ++i) {
-        const Eigen::Array4d share = found->col(i).array();
-        const Eigen::Array4d bytes = (share >= 0).select((share * 255).round().min(255), 0);
+    if (const auto bytes = color_bytes(from.attributes)) {
+      for (Eigen::Index i = 0; i < bytes->cols(); ++i) {
         Point& point = cloud[static_cast<size_t>(i)];
-        point.r = static_cast<std::uint8_t>(bytes[0]);
-        point.g = static_cast<std::uint8_t>(bytes[1]);
-        point.b = static_cast<std::uint8_t>(bytes[2]);
+        point.r = (*bytes)(0, i);
+        point.g = (*bytes)(1, i);
+        point.b = (*bytes)(2, i);
       }
     }
   }
@@ -226,11 +232,7 @@ std::vector<Number> field_values(const pcl::PCLPointCloud2& cloud,
 /// \throws InvalidInput unless width * height is the number of points, and if an attribute has not
 /// one element for each point.
 [[nodiscard]] inline pcl::PCLPointCloud2 to_pcl_cloud2(const PointCloud& from) {
-  check_attributes(from.attributes, from.points.cols(), "point cloud");
-  if (from.width * from.height != from.points.cols())
-    throw InvalidInput("point cloud: is " + std::to_string(from.width) + " x " +
-                       std::to_string(from.height) + ", but has " +
-                       std::to_string(from.points.cols()) + " points");
+  pcl_detail::check_cloud(from);
   pcl::PCLPointCloud2 cloud;
   cloud.width = static_cast<std::uint32_t>(from.width);
   cloud.height = static_cast<std::uint32_t>(from.height);
@@ -240,15 +242,10 @@ std::vector<Number> field_values(const pcl::PCLPointCloud2& cloud,
     pcl_detail::add_field(cloud, std::string(1, "xyz"[k]),
                           std::vector<float>(row.begin(), row.end()));
   }
-  if (const auto found = colors(from.attributes)) {
+  if (const auto bytes = color_bytes(from.attributes)) {
     std::vector<std::uint32_t> packed;
-    for (const auto& color : found->colwise()) {
-      const auto byte = [&](int k) {
-        return static_cast<std::uint32_t>(
-            std::lround(255 * std::min(1.0, std::max(0.0, color[k]))));
-      };
-      packed.push_back(byte(0) << 16U | byte(1) << 8U | byte(2));
-    }
+    for (const auto& color : bytes->colwise())
+      packed.push_back(std::uint32_t{color[0]} << 16U | std::uint32_t{color[1]} << 8U | color[2]);
     std::vector<float> bits(packed.size());  // PCL's readers expect this type
     if (!bits.empty()) std::memcpy(bits.data(), packed.data(), 4 * packed.size());
     pcl_detail::add_field(cloud, "rgb", bits);
@@ -268,7 +265,8 @@ std::vector<Number> field_values(const pcl::PCLPointCloud2& cloud,
   return cloud;
 }
 
-/// Converts a cloud with all fields of one number; the other way of `to_pcl_cloud2`.
+/// Converts a cloud with all fields of one number; the other way of `to_pcl_cloud2`. Of "rgba" the
+/// alpha is kept.
 /// \throws InvalidInput naming what is missing: x, y or z, or data within a field.
 [[nodiscard]] inline PointCloud from_pcl_cloud2(const pcl::PCLPointCloud2& from) {
   PointCloud cloud;
@@ -279,11 +277,12 @@ std::vector<Number> field_values(const pcl::PCLPointCloud2& cloud,
   for (const pcl::PCLPointField& field : from.fields) {
     if (field.count != 1) continue;
     if (field.name == "rgb" || field.name == "rgba") {
-      Eigen::Matrix3Xd rgb(3, cloud.points.cols());
+      Eigen::Matrix4Xd rgba(4, cloud.points.cols());
       Eigen::Index i = 0;
       for (const std::uint32_t packed : pcl_detail::field_values<std::uint32_t>(from, field))
-        rgb.col(i++) << (packed >> 16U & 255U), (packed >> 8U & 255U), (packed & 255U);
-      set_colors(cloud.attributes, rgb / 255);
+        rgba.col(i++) << (packed >> 16U & 255U), (packed >> 8U & 255U), (packed & 255U),
+            (packed >> 24U);
+      set_colors(cloud.attributes, rgba.topRows(field.name == "rgb" ? 3 : 4) / 255);
       continue;
     }
     const auto take = [&]<class Number>(std::type_identity<std::vector<Number>>) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/shard_journal.h"
+#include "shards/shard_journal.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/shard.h"
+#include "shards/shard.h"
 
 #include <fmt/format.h>
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/shard.h"
+#include "shards/shard.h"
 
 namespace palpate::apps {
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "shards/shard.h"
+#include "shards/shard_journal.h"
 #include "shared/command_line.h"
 #include "shared/folder_lock.h"
-#include "shared/shard.h"
-#include "shared/shard_journal.h"
 
 namespace palpate::apps {
 

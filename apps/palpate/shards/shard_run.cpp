@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/shard_run.h"
+#include "shards/shard_run.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

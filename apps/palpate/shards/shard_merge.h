@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "shared/shard_journal.h"
+#include "shards/shard_journal.h"
 
 namespace palpate::apps {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/shard_merge.h"
+#include "shards/shard_merge.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
