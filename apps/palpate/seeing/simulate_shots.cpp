@@ -65,8 +65,9 @@ std::vector<fs::path> write_shot(const fs::path& output, std::size_t number, std
   std::vector<fs::path> files;
   const auto next = [&](const fs::path& file) { return files.emplace_back(output / file); };
   for (std::size_t i = 0; i < images; ++i) {
-    const std::string ending = images > 1 ? fmt::format("_{:02}.png", i) : ".png";
-    sensing::write_png(next("frames/" + name + ending), simulation.frames[i]);
+    const std::string number_of_image = images > 1 ? fmt::format("_{:02}", i) : "";
+    sensing::write_png(next(fmt::format("frames/{}{}.png", name, number_of_image)),
+                       simulation.frames[i]);
   }
   geometry::write_depth_tiff(next("truth/" + name + ".tiff"), simulation.truth.range.z);
   write_bytes(next("truth/" + name + "_lit.png"), simulation.truth.lit.cast<unsigned char>() * 255);

@@ -72,7 +72,8 @@ std::vector<const CLI::Option*> given_options(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->count() > 0 && option->get_name() != kShardOption) given.push_back(option);
   }
-  std::ranges::stable_partition(given, [](const auto* option) { return option->get_positional(); });
+  std::stable_partition(given.begin(), given.end(),
+                        [](const auto* option) { return option->get_positional(); });
   return given;
 }
 

@@ -66,8 +66,8 @@ void check_block(const ShardCall& call, const ShardJournal& journal) {
 /// \throws Error that names the missing shards.
 void tell_missing(const ShardCall& call, const std::vector<Shard>& missing, bool allow) {
   if (missing.empty()) return;
-  std::vector<int> numbers;
-  for (const Shard& shard : missing) numbers.push_back(shard.index);
+  std::vector<int> numbers(missing.size());
+  std::ranges::transform(missing, numbers.begin(), &Shard::index);
   const int all = missing.front().count;
   const std::string words =
       fmt::format("{}: {} of {} shards {} missing: {}", call.output.string(), missing.size(), all,
