@@ -210,8 +210,9 @@ TEST(CalibrateArm, RefusesWrongCalls) {
   const ScratchFolder scratch;
   write_text(scratch / "t.csv", "x,y\n1,2\n");
   write_text(scratch / "arm.json", "[1]");
-  const auto refused = [&](std::vector<std::string> arguments, const std::string& place) {
-    arguments.insert(arguments.begin(), {"calibrate", "arm", "-o", scratch / "arm.json"});
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& place,
+                           const std::string& output = "arm.json") {
+    arguments.insert(arguments.begin(), {"calibrate", "arm", "-o", scratch / output});
     const CommandResult result = run_palpate(arguments);
     EXPECT_EQ(result.status, kWrongCall) << result.out << result.err;
     EXPECT_NE(result.err.find(place), std::string::npos) << result.err;
@@ -220,7 +221,11 @@ TEST(CalibrateArm, RefusesWrongCalls) {
   refused({}, "--touches");
   refused({"--touches", scratch / "t.csv"}, "--surface");
   refused({"--touches", scratch / "t.csv", "--surface", hand}, "--tip-radius");
-  refused({"--touches", scratch / "t.csv", "--surface", hand, "--tip-radius", "2"}, "'z'");
+  const std::vector<std::string> touches = {"--touches", scratch / "t.csv", "--surface",
+                                            hand,        "--tip-radius",    "2"};
+  refused(touches, "'z'", "new.json");
+  refused(touches, "arm.json");  // before anything is read or computed
+  refused({"--ball", scratch / "t.csv", "--ball-radius", "9"}, "arm.json");
   refused({"--ball", scratch / "t.csv"}, "--ball-radius");
   refused({"--ball", scratch / "t.csv", "--ball-radius", "0"}, "--ball-radius");
   refused({"--start", hand, "--ball", scratch / "t.csv"}, "--touches");
