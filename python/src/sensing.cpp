@@ -250,8 +250,7 @@ void add_decoder(py::module_& module) {
             return sensing::to_string(sensing::judge(result.evidence).verdict);
           },
           "Whether the frame fits rig, pattern and colours: \"accepted\", \"too_little\" to judge "
-          "by, "
-          "or the likely cause. Check it before you use the depths.")
+          "by, or the likely cause. Check it before you use the depths.")
       .def_property_readonly(
           "reason",
           [](const DecodeResult& result) { return sensing::judge(result.evidence).reason; },

@@ -173,9 +173,8 @@ void add_export(CLI::App& app, const Settings& settings) {
   command->footer(
       "Here --json selects the format of the file; this command prints no JSON.\n"
       "A page of range maps also shows the predicted deviations and the reasons of lost pixels "
-      "that "
-      "palpate decode wrote\nbeside them (--sigma, --reasons). Depths and coordinates in pages are "
-      "rounded; the command and the page say to what.\n"
+      "that palpate decode wrote\nbeside them (--sigma, --reasons). Depths and coordinates in "
+      "pages are rounded; the command and the page say to what.\n"
       "Examples:\n  palpate export model/ --obj -o model.obj\n"
       "  palpate export surface.ply --glb -o surface.glb\n"
       "  palpate export range/000000.tiff --color --glb -o frame.glb\n"

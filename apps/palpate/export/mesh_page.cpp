@@ -73,8 +73,8 @@ void check_triangles(const fs::path& path, const geometry::TriangleMesh& mesh,
     return;
   throw InvalidInput(
       fmt::format("{}: has {} vertices and {} triangles, not the same as {} ({} and {}). A page "
-                  "shows meshes of "
-                  "the same triangles, as palpate track writes them; export these one by one.",
+                  "shows meshes of the same triangles, as palpate track writes them; export these "
+                  "one by one.",
                   path.string(), mesh.vertices.cols(), mesh.triangles.cols(), first_path.string(),
                   first.vertices.cols(), first.triangles.cols()));
 }

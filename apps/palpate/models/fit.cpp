@@ -226,8 +226,7 @@ void add_fit(CLI::App& app, const Settings& settings) {
                     "settings finished");
   command->footer(
       "Finished fits are kept in a file beside the model (model.fits for -o model/) until the "
-      "model "
-      "is written, also after Ctrl-C. With --resume the result is the same as without an "
+      "model is written, also after Ctrl-C. With --resume the result is the same as without an "
       "interruption.\nExample:\n  palpate fit acquisition.db surface.ply -o model/");
   command->callback([call, &settings] { fit(settings, *call); });
 }

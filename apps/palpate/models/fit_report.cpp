@@ -284,8 +284,7 @@ void tell_build(const haptics::BuildResult& built) {
   if (built.surface_ends.cols() > 0) {
     spdlog::info(
         "the surface is given {} more vertices, {} in all: its edges were longer than two thirds "
-        "of "
-        "the distance between contacts. Its shape stays.",
+        "of the distance between contacts. Its shape stays.",
         built.surface_ends.cols(), built.model.surface.vertices.cols());
   }
   if (built.surface_flipped)

@@ -42,8 +42,7 @@ void report_replay(const Settings& settings, const fs::path& session,
   if (again.different > 0) {
     throw Error(
         fmt::format("{}: the replay differs in {} of {} ticks, first in tick {}: another version "
-                    "of the program "
-                    "computed the session",
+                    "of the program computed the session",
                     session.string(), again.different, again.ticks, again.first_different));
   }
   print(settings, {{"replayed", again.ticks}, {"different", again.different}},

@@ -81,8 +81,7 @@ std::string in_words(const haptics::ReducedModel& reduced, std::size_t contacts)
       "bases: {}. The surface has {} vertices, and is at most {:.3g} mm away from the old one.\n"
       "{:.0f} kB instead of {:.0f} kB.\n"
       "The forces differ from those of the full model by {} (RMS; 90 % within {}, at most {}); {} "
-      "was "
-      "allowed. The RMS force is {}.{}",
+      "was allowed. The RMS force is {}.{}",
       reduced.model.contacts.size(), contacts, reduced.out_of_reach.size(),
       reduced.predicted.size(), reduced.simpler_fields, reduced.model.surface.vertices.cols(),
       reduced.surface_distance, reduced.size_after / 1e3, reduced.size_before / 1e3,
@@ -142,10 +141,8 @@ void add_reduce(CLI::App& app, const Settings& settings) {
     if (option->get_group() != kExpertOptions) option->excludes(scene);
   command->footer(
       "The smaller model has no contacts that are out of reach or that the others predict, fields "
-      "with "
-      "fewer bases, and a surface with fewer triangles. Random presses and drags are played with "
-      "both "
-      "models to measure how much the forces differ.\n"
+      "with fewer bases, and a surface with fewer triangles. Random presses and drags are played "
+      "with both models to measure how much the forces differ.\n"
       "Examples:\n  palpate reduce model/ --max-error 0.2 -o small/\n"
       "  palpate reduce model/ --max-size 200000 -o small/\n"
       "  palpate reduce model/ --scene scene.yaml -o small/");

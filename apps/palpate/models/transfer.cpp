@@ -202,8 +202,7 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
   command
       .add_option("--distortion", call->distortion,
                   "With --onto: draw how much the map stretches areas (PNG). It is drawn even if "
-                  "the map is "
-                  "rejected; folded parts are grey")
+                  "the map is rejected; folded parts are grey")
       ->needs(onto);
   command
       .add_option("--distortion-mesh", call->distortion_mesh,

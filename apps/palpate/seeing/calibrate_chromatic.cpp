@@ -83,8 +83,7 @@ nlohmann::ordered_json figures_of(const sensing::ChannelCalibration& channel) {
 std::string prose_of(const char* name, const sensing::ChannelCalibration& channel) {
   return fmt::format(
       "{}: alpha {:.6f} +- {:.1e}, beta {:.6f} +- {:.1e}, gamma {:.7f} +- {:.1e}; phase relative "
-      "to "
-      "green {:.4f} rad RMS, compensated {:.4f} (from {} points, {} outliers)\n",
+      "to green {:.4f} rad RMS, compensated {:.4f} (from {} points, {} outliers)\n",
       name, channel.shift.alpha, channel.deviation.alpha, channel.shift.beta,
       channel.deviation.beta, channel.shift.gamma, channel.deviation.gamma, channel.rms_before,
       channel.rms_after, channel.cells, channel.outliers);

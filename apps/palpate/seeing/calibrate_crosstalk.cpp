@@ -82,8 +82,7 @@ void add_calibrate_crosstalk(CLI::App& calibrate, const Settings& settings) {
   crosstalk->add_option("-o,--output", call->output, "Rig with the mixing to write")->required();
   crosstalk->footer(
       "Example:\n  palpate calibrate crosstalk --off off.png --red red.png --green green.png "
-      "--blue "
-      "blue.png --rig rig.yaml -o mixed_rig.yaml");
+      "--blue blue.png --rig rig.yaml -o mixed_rig.yaml");
   crosstalk->callback([call, &settings] { calibrate_crosstalk(settings, *call); });
 }
 

@@ -133,8 +133,8 @@ void check_frame(const ResponseCall& call, const std::optional<sensing::Response
       response
           ? "Either the response does not match: record it and the frame with the same projector "
             "mode, exposure and camera settings. Or the camera blurs the sinusoid, which no "
-            "response "
-            "can correct: use a longer period, a sharper lens or a projector without gamma."
+            "response can correct: use a longer period, a sharper lens or a projector without "
+            "gamma."
           : "Measure the response of projector and camera (palpate calibrate response "
             "FOLDER -o response.yaml) and pass it to decode.");
 }

@@ -129,8 +129,7 @@ void report(const Settings& settings, const RigCall& call,
   prose += lens_prose("projector", rig.projector, calibration.projector_deviation, terms);
   prose += fmt::format(
       "t: {:.2f} +- {:.2f}, {:.2f} +- {:.2f}, {:.2f} +- {:.2f} mm; standard deviation of R: "
-      "{:.3f}, "
-      "{:.3f}, {:.3f} degrees\n",
+      "{:.3f}, {:.3f}, {:.3f} degrees\n",
       t.x(), t_deviation.x(), t.y(), t_deviation.y(), t.z(), t_deviation.z(), turn.x(), turn.y(),
       turn.z());
   print(
@@ -240,8 +239,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
       "--marker 15\n"
       "  palpate calibrate rig --draw show/ --projector-size 1024x768\n"
       "  palpate calibrate rig poses/ --board 7x9 --square 25 --projector-size 1024x768 -o "
-      "rig.yaml "
-      "--picture residuals.png");
+      "rig.yaml --picture residuals.png");
   rig->callback([call, &settings] { run_call(settings, *call); });
 }
 

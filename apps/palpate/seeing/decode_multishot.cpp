@@ -92,9 +92,9 @@ void warn_of_scene(const SceneOutcome& outcome) {
   if (outcome.disagreement >= sensing::kStillDisagreement) {
     spdlog::warn(
         "{}: the images do not show one still scene under one steady light: phases are off by "
-        "about "
-        "{:.3f} rad. Object, camera or projector moved, the light flickered (expose for whole "
-        "cycles of the projector), or the response is not linear (--response, or more steps).",
+        "about {:.3f} rad. Object, camera or projector moved, the light flickered (expose for "
+        "whole cycles of the projector), or the response is not linear (--response, or more "
+        "steps).",
         outcome.frame.name, outcome.disagreement);
   }
   if (outcome.code_jumps >= sensing::kOrderedCodeJumps) {

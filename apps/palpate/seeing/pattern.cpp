@@ -187,9 +187,8 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
       prose += "Red and blue are shifted to match green: in rig.yaml beta is 1 and gamma 0\n";
     if (!pattern.multishot && design.edge_tolerance < kLeastEdgeTolerance) {
       spdlog::warn(
-          "the stripes do not reliably identify the period: with this rig the depth moves them "
-          "too little. Use the other --axis or a longer --period, place the projector so that it "
-          "is "
+          "the stripes do not reliably identify the period: with this rig the depth moves them too "
+          "little. Use the other --axis or a longer --period, place the projector so that it is "
           "displaced from the camera along both axes of the image, or hold still and use "
           "--multishot, which needs no stripes");
     }

@@ -254,11 +254,10 @@ void add_cloud(CLI::App& app, const Settings& settings) {
                     "Write float instead of double, as programs built on PCL read");
   command->footer(
       "Steps are done in the order in which they are given: --crop, --outliers, --isolated, "
-      "--voxel, "
-      "--poisson, --normals, --from-mesh, --from-cloud, --plane, --sphere, --cylinder, --cluster, "
-      "--keep, --remove. Each may be given several times. A PCD file of one range map stays "
-      "organised, with NaN for removed points, unless --voxel or --poisson makes other points; a "
-      "range map's deviations (from decode --sigma) become the attribute sigma.\n\n"
+      "--voxel, --poisson, --normals, --from-mesh, --from-cloud, --plane, --sphere, --cylinder, "
+      "--cluster, --keep, --remove. Each may be given several times. A PCD file of one range map "
+      "stays organised, with NaN for removed points, unless --voxel or --poisson makes other "
+      "points; a range map's deviations (from decode --sigma) become the attribute sigma.\n\n"
       "Examples:\n  palpate cloud range/000000.tiff -o points.pcd --color --single\n"
       "  palpate cloud scan.ply --outliers 3 --voxel 0.5 --normals 16 -o small.ply\n"
       "  palpate cloud range/000000.tiff --plane 0.5 --remove --cluster 3 --keep -o object.ply\n"

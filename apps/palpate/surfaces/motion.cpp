@@ -328,11 +328,9 @@ void add_motion(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   command->footer(
       "Each mesh has these values at its vertices, with those that it had before: displacement "
-      "[mm] "
-      "and its components;\nspeed and velocity [mm/s] with --rate, or if the names are times; "
-      "stretch_largest and "
-      "stretch_smallest, the principal stretches (length divided\nby length in the reference); "
-      "stretch_x, _y, _z, the direction of the largest one; area_ratio.\n"
+      "[mm] and its components;\nspeed and velocity [mm/s] with --rate, or if the names are times; "
+      "stretch_largest and stretch_smallest, the principal stretches (length divided\nby length in "
+      "the reference); stretch_x, _y, _z, the direction of the largest one; area_ratio.\n"
       "With --format vtk, ParaView opens motion.vtk.series as one sequence.\n"
       "Examples:\n  palpate motion meshes/ --rate 30 --radius 5 -o motion/\n"
       "  palpate export motion/ --html -o motion.html");

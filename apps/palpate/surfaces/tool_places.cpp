@@ -38,8 +38,8 @@ ToolPlaces::ToolPlaces(const fs::path& path, const geometry::TriangleMesh& surfa
     if (!(place.distance <= allowed)) {
       throw InvalidInput(
           fmt::format("{}: contact {} is {:.1f} mm from the reference; both must be in the frame "
-                      "of the camera. "
-                      "Leave out --acquisition, or give a reference in the frame of the contacts",
+                      "of the camera. Leave out --acquisition, or give a reference in the frame of "
+                      "the contacts",
                       path.string(), sample.contact, place.distance));
     }
     const int vertex = nearest_vertex(surface, place);

@@ -228,10 +228,9 @@ void doubt_motion_along(double sigma, double noise, bool has_images) {
   spdlog::warn(
       "the surface follows the range maps, but they hardly show how it moves along itself (the "
       "standard deviation of vertices along it is {:.2g} mm in the median, more than {:g} times "
-      "the "
-      "distances from the range maps): there is too little relief or texture, or too much noise. "
-      "Vertices move along it with the least distortion, and need not stay at the same point of "
-      "the object{}",
+      "the distances from the range maps): there is too little relief or texture, or too much "
+      "noise. Vertices move along it with the least distortion, and need not stay at the same "
+      "point of the object{}",
       sigma, kVague,
       has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
 }
@@ -395,10 +394,10 @@ void add_track(CLI::App& app, const Settings& settings) {
       "was measured), and the\nstandard deviation of its position in mm, across the surface "
       "(sigma_across) and along it (sigma_along: large\nwhere nothing shows this motion).\n"
       "A frame that is broken or lost gets no mesh, the next one starts from the last frame that "
-      "was "
-      "tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, nodes/ "
-      "the data for --resume. Results of an earlier run in\nthe folder are replaced completely, "
-      "when all frames are tracked, unless --resume is given; Ctrl-C keeps what is finished.\n"
+      "was tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, "
+      "nodes/ the data for --resume. Results of an earlier run in\nthe folder are replaced "
+      "completely, when all frames are tracked, unless --resume is given; Ctrl-C keeps what is "
+      "finished.\n"
       "Examples:\n  palpate track range/ -o meshes/\n"
       "  palpate mesh range/000000.tiff --fill-holes 10 --tolerance 0.2 -o reference.ply\n"
       "  palpate track range/ --reference reference.ply -o meshes/ --format obj --resume\n"

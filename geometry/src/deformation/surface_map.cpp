@@ -86,8 +86,7 @@ std::vector<SurfacePoint> place_landmarks(Eigen::Matrix3Xd& points, const Surfac
     if (!(place.distance <= max_distance)) {
       throw InvalidInput(
           fmt::format("map_surface: landmark {} of the {} is {} mm from the surface; at most {} mm "
-                      "are allowed. "
-                      "Check that landmarks and surface are in one frame and unit",
+                      "are allowed. Check that landmarks and surface are in one frame and unit",
                       k, side, place.distance, max_distance));
     }
     points.col(k) = place.position;
@@ -96,8 +95,7 @@ std::vector<SurfacePoint> place_landmarks(Eigen::Matrix3Xd& points, const Surfac
   if (in_line(points)) {
     throw InvalidInput(
         fmt::format("map_surface: the landmarks of the {} lie nearly in a line (or at a point), so "
-                    "the rotation "
-                    "about it is not known; add one beside it",
+                    "the rotation about it is not known; add one beside it",
                     side));
   }
   return places;

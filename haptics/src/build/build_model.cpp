@@ -127,8 +127,7 @@ Pairs pairs_of(const Probed& probed, const BuildOptions& options) {
         {"BuildOptions::rate", true},
         {": how forces depend on the rate is fitted to contacts that were only "
          "pressed, with the time of each sample; some of these samples have drags, or "
-         "displacements "
-         "in several directions, and their motion between is not known"}});
+         "displacements in several directions, and their motion between is not known"}});
   }
   Pairs pairs{.samples = std::vector<ForceSamples>(probed.size())};
   parallel_for(probed.size(), [&](std::size_t i) {

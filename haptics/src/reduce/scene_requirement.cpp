@@ -255,8 +255,7 @@ std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
                                   surface.vertices.rowwise().maxCoeff());
     throw InvalidInput(fmt::format(
         "the region contains no whole triangle of the model; its surface extends from ({:.4g}, "
-        "{:.4g}, "
-        "{:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm",
+        "{:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm",
         box.min().x(), box.min().y(), box.min().z(), box.max().x(), box.max().y(), box.max().z()));
   }
   return result;

@@ -161,8 +161,7 @@ void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding
                         "samples that held have tangential forces of " + figure(ratio) +
                             " times the normal force (median of the largest at each contact)",
                         "px,py,pz have one unit and are in the frame of the normals nx,ny,nz, and "
-                        "slipped is 1 where "
-                        "the tool slid: check these columns"});
+                        "slipped is 1 where the tool slid: check these columns"});
   }
 }
 

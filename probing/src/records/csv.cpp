@@ -134,9 +134,7 @@ bool is_like(std::string_view cell, std::string_view name) {
 
 constexpr const char* kSayNoHeader =
     "if the file has no line of names, say so (--no-header, or header: false in a mapping) and "
-    "name "
-    "its columns "
-    "column_1, column_2, ...";
+    "name its columns column_1, column_2, ...";
 
 bool has_numbers_only(const std::vector<std::string_view>& cells) {
   return std::all_of(cells.begin(), cells.end(),

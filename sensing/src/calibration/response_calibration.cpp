@@ -206,8 +206,7 @@ ResponseCurve fit_channel(Channel channel, const ResponseOptions& options) {
   curve.gain = values.tail<1>()[0] - curve.black;
   if (!(curve.gain >= options.min_contrast * options.min_range))
     fail("the brightest image that is not clipped, " + channel.names.back() +
-         ", is hardly brighter "
-         "than black; shorten the exposure");
+         ", is hardly brighter than black; shorten the exposure");
   for (Eigen::Index i = 0; i < values.size(); ++i) {
     curve.levels.push_back(levels[i]);
     curve.light.push_back(std::clamp((values[i] - curve.black) / curve.gain, 0.0, 1.0));
