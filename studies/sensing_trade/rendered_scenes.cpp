@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a sequence so many frames are taken, evenly.
+/// The number of frames taken from a sequence, evenly.
 constexpr std::size_t kFrames = 4;
 
 struct Kind {

@@ -33,7 +33,7 @@ class MedianTree {
   using Part = std::span<int>;
   static constexpr std::size_t kLeaf = TrianglePacket::kSize;
 
-  // Both halves have full packets, but for the last.
+  // Both halves have full packets, except the last one.
   [[nodiscard]] std::pair<Part, Part> halves(Part part) const {
     Eigen::Vector3d lower = centers_.col(part[0]), upper = lower;
     for (const int t : part) {

@@ -74,7 +74,7 @@ int palpate_step(double x, double y, double z) {
 
 /// Of the last tick: force on the user, contact, axis of the friction cone, coefficient, normal and
 /// tangential force, stated deviation of the force (NaN: not known), displacement. Zero while free,
-/// but for the contact, which is the tool.
+/// except for the contact, which is the tool.
 const double* palpate_output() {
   Player& p = *player;
   double* out = p.output.data();

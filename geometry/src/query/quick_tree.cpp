@@ -162,7 +162,7 @@ class QuickTree {
     }
     Eigen::Index axis = 0;
     (upper - lower).maxCoeff(&axis);
-    // Both halves have full packets, but for the last.
+    // Both halves have full packets, except the last one.
     const std::size_t packets = (size + kLeaf - 1) / kLeaf;
     Centre* const half = begin + (packets + 1) / 2 * kLeaf;
     put_lowest_first(begin, end, axis, half - begin);

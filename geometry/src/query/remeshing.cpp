@@ -33,7 +33,7 @@ constexpr double kShortest = 4.0 / 5;
 /// No step turns the normal of a triangle by more than the angle of this cosine.
 constexpr double kLeastTurnCosine = 0.5;
 
-/// Edges are flipped in at most so many sweeps in an iteration; the last ones change little.
+/// An iteration has at most this number of sweeps that flip edges; the last ones change little.
 constexpr int kFlipSweeps = 4;
 
 /// Work between two calls of `progress` within a step, in edges or vertices.

@@ -165,7 +165,7 @@ SurfaceTree::FoundNearest SurfaceTree::find(const Eigen::Vector3d& point, int gu
       ChildLanes<Number>::Constant(search.culling_point[0]),
       ChildLanes<Number>::Constant(search.culling_point[1]),
       ChildLanes<Number>::Constant(search.culling_point[2])};
-  // In double a box needs no margin but for the rounding of its sides.
+  // In double a box needs no margin except for the rounding of its sides.
   constexpr double kSideRounding = std::numeric_limits<float>::epsilon();
   const double spare = 2 * margin_ - (1 + 2 * margin_) * kSideRounding;
   const auto meet = [&](const TreeNode& node, ChildLanes<Number>& squared) {

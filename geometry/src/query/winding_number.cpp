@@ -20,7 +20,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// Clusters of at most so many triangles are not divided.
+/// Clusters of at most this number of triangles are not divided.
 constexpr std::ptrdiff_t kLeaf = 8;
 /// A cluster with a larger bound is opened at once: nothing is learnt from its moments.
 constexpr double kOpenAtOnce = 1;

@@ -18,7 +18,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kLongGap = 10;  // median steps of a contact after which a path begins anew
+constexpr double kLongGap = 10;  // median steps of a contact after which a new path begins
 // Curves and rate are estimated in turn until the scale is 1 to the first of these and shares
 // change by less than the second of themselves.
 constexpr int kMostRounds = 8;

@@ -56,7 +56,7 @@ struct SimulatedHand::Simulation {
     Eigen::Vector3d friction = -next.row(1).transpose() / to_speed;  // [N] that stops the hand
     const double needed = friction.norm();
     const bool stops = needed <= options.friction;
-    if (stops && speed.isZero(0)) return;  // it balances all other forces, but for rounding
+    if (stops && speed.isZero(0)) return;  // it balances all other forces up to rounding
     if (!stops) friction *= options.friction / needed;
     place = rest + next.row(0).transpose() + to_place * friction;
     speed.setZero();

@@ -22,7 +22,7 @@ namespace {
 constexpr double kLeastRatio = 1.5;
 constexpr int kExponentBits = 12;  // to which an exponent is searched: 2^-12 of its range
 constexpr std::uintmax_t kMostEvaluations = 20;
-// Steady errors are searched to so many standard deviations.
+// Steady errors are searched up to this number of standard deviations.
 constexpr double kSteadyRange = 4;
 constexpr double kCurvatureStep = 0.02;  // of the exponent, for its standard error
 

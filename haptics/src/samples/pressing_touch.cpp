@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kMostInBlock = 100, kMostBlocks = 6;
 // Steps of the differences: of the mean of tau, and of its slope.
 constexpr double kTouchStepThere = 0.005, kSlopeStepThere = 0.05;
-// A Newton step moves by at most so many of these steps.
+// A Newton step moves by at most this number of such steps.
 constexpr double kMostSteps = 5;
 constexpr int kTouchRounds = 4;
 // The search ends when it moves by less than this share of the errors.

@@ -24,8 +24,8 @@ class SimulatedContact {
   void find_surface(const Eigen::Vector3d& tip, std::uint64_t tick);
   /// [N] of the tip on the object, without damping; none if it does not press.
   [[nodiscard]] std::optional<Eigen::Vector3d> press(const Eigen::Vector3d& tip);
-  /// Once in each tick, after the tip was moved: takes the displacement anew where the force has
-  /// changed, and lets the retarded part follow for `period` [s].
+  /// Once in each tick, after the tip was moved: computes the displacement again where the force
+  /// has changed, and lets the retarded part follow for `period` [s].
   void settle(double period);
   void leave() { touches_ = near_ = false; }
 

@@ -17,7 +17,7 @@ namespace palpate::sensing {
 namespace {
 
 constexpr std::array<const char*, 3> kColors = {"red", "green", "blue"};
-/// The image is divided into so many parts along each axis.
+/// The number of parts into which the image is divided along each axis.
 constexpr int kParts = 4;
 /// Smallest number of pixels, of the image and of a part of it.
 constexpr long kLeastPixels = 1000;
@@ -25,7 +25,7 @@ constexpr long kLeastPartPixels = 50;
 /// Filters overlap by less; more, or less than nothing, comes from exchanged or unlinear images.
 constexpr double kLeastShare = -0.1;
 constexpr double kMostShare = 0.9;
-/// The unmixed channels would have so many times the noise.
+/// The factor by which the noise of the unmixed channels would grow.
 constexpr double kMostNoise = 10;
 
 /// Red, green and blue of an image as fractions of full scale.

@@ -128,7 +128,7 @@ constexpr float kLeastRatio = 0.3F;
 constexpr double kLargestDifference = 0.5;
 /// Smallest number of products for a mean.
 constexpr std::size_t kLeastProducts = 100;
-/// Products beyond so many medians are cut there: edges of print and of stripes have such.
+/// Products beyond this number of medians are cut there; edges of print and stripes have such.
 constexpr double kLargestProduct = 10;
 /// What the cut leaves of the mean of squares of normal deviates, 3 % of which are beyond.
 constexpr double kCutMean = 0.942;

@@ -25,7 +25,7 @@ struct LightGroup {
 /// values that are not > 0.
 [[nodiscard]] LinearInLight fit_light(const std::vector<LightGroup>& groups);
 
-/// At most so many groups, each with so many samples at least.
+/// The largest number of groups, and the smallest number of samples in each.
 inline constexpr std::size_t kLightGroups = 8;
 inline constexpr std::size_t kLeastInGroup = 50;
 

@@ -12,10 +12,10 @@
 namespace palpate::sensing {
 namespace {
 
-/// Curvature of the phase along the rows counts if its effect is beyond so many standard
+/// Curvature of the phase along the rows counts if its effect exceeds this number of standard
 /// deviations.
 constexpr float kClearBend = 3;
-/// A bend down the window counts by half at so many standard deviations of its own.
+/// A bend down the window counts by half at this number of its own standard deviations.
 constexpr float kHalfBend = 6;
 /// [rad] Phases whose slope changes by more from the rows above to those below belong to several
 /// surfaces.

@@ -25,7 +25,7 @@ constexpr float kMixingBlur = 2;
 /// The amplitude at the very edge of a surface, with such a blur, changes by this share per pixel
 /// [1/px]: sqrt(2 / (pi V)), a little more beyond.
 constexpr float kMostFade = 0.6F;
-/// A change of the amplitude counts from so many standard deviations on.
+/// A change of the amplitude counts from this number of standard deviations on.
 constexpr float kClearFade = 3;
 
 /// Median of the mean square of `freedom` normal values of variance one (Wilson and Hilferty 1931).

@@ -173,7 +173,7 @@ TEST_F(LoopRecordTest, WaitsForTheDiskWithoutLosingTicks) {
     }
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_LT(taken, 20'000) << "the file does not take so many";
+  EXPECT_LT(taken, 20'000) << "the file does not take that many";
   file.take_everything();
   loop.join();
   recorder.finish();

@@ -48,7 +48,7 @@ Vector3d axis_of(const Object& object) {
          Vector3d(object.tilt.x(), object.tilt.y(), 1).normalized();
 }
 
-// Pairs on the boundary, and the settled ones, that follow the linear law but for noise.
+// Pairs on the boundary, and the settled ones, that follow the linear law up to noise.
 ForceSamples pairs_of(const Object& object, const AxisProbing& probing = {}, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;

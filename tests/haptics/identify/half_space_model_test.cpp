@@ -38,7 +38,7 @@ TEST(HalfSpaceModel, IsTwoThirdsAsStiffSidewaysIfIncompressible) {
 
 TEST(HalfSpaceModel, HasTheForceOfItsEnergyAndItsInverse) {
   const Eigen::Vector3d at(0.4, -1.1, 0.8);
-  constexpr double kStep = 1e-4;  // exact for a quadratic but for rounding
+  constexpr double kStep = 1e-4;  // exact for a quadratic up to rounding
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(k);
     EXPECT_NEAR((potential(kFoam, kFoamContact, at + d) - potential(kFoam, kFoamContact, at - d)) /

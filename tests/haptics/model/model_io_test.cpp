@@ -38,7 +38,7 @@ TEST(ModelIo, ReadsBackExactlyWhatWasWritten) {
   expect_same(read_model(folder), some_model());
 }
 
-// Files change compliances, whoever learnt them: nothing is learnt anew at reading.
+// Files change compliances, whoever learnt them: reading learns nothing again.
 TEST(ModelIo, ReadsTheCompliancesThatWereWritten) {
   Model model = some_model();
   ASSERT_TRUE(model.contacts[0].compliance);

@@ -39,7 +39,7 @@ TEST(SimulatedContact, PressesAsFarAsTheObjectAndTheArmGiveWay) {
   const std::optional<Vector3d> force = guide(contact, Vector3d(0, 0, 0.01), within);
   ASSERT_TRUE(force);
   const Vector3d way = block.displacement(contact.place(), *force) + *force / kStructure;
-  // The force is that of the linearisation, taken anew at changes of 5 %.
+  // The force is that of the linearisation, taken again at changes of 5 %.
   EXPECT_LT((contact.place() + way - within).norm(), 0.01);
   EXPECT_EQ(contact.slid(), 0);
   EXPECT_FALSE(guide(contact, within, above));

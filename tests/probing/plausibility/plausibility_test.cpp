@@ -28,7 +28,7 @@ using Change = std::function<void(Acquisition&)>;
 
 constexpr std::array<double, 4> kLevels = {0.3, 0.8, 1.6, 3};  // [N]
 
-/// What an object is like that follows the definitions exactly but for noise.
+/// What an object is like that follows the definitions exactly up to noise.
 struct Spring {
   double normal = 0.3;      ///< [N/mm]
   double tangential = 0.2;  ///< [N/mm]
@@ -178,7 +178,7 @@ void lift_tool(Acquisition& acquisition, std::size_t contacts) {
 TEST(Plausibility, FindsNothingInMeasurementsOfAnyHardnessAndNoise) {
   for (const double hardness : {0.1, 1.0, 10.0, 100.0}) {
     for (const double noise : {0.0, 0.02, 0.1}) {
-      // The noise of a measurement is far below its displacements, but for rigid objects.
+      // The noise of a measurement is far below its displacements, except for rigid objects.
       const Spring spring{.normal = 0.3 * hardness, .tangential = 0.2 * hardness, .noise = noise};
       EXPECT_THAT(messages(dragged(spring)), IsEmpty()) << hardness << ' ' << noise;
       EXPECT_THAT(messages(pressed_only(spring)), IsEmpty()) << hardness << ' ' << noise;

@@ -43,7 +43,7 @@ std::vector<ForcePair> pairs_of(const std::vector<Vector3d>& forces, const Law& 
 
 Vector3d foam(const Vector3d& force) { return indentation(Beam{}, force); }
 
-// Two forces determine the six numbers of a symmetric compliance, but for what is smooth.
+// Two forces determine the six numbers of a symmetric compliance, except for what is smooth.
 TEST(ForceSurrogate, ReproducesALinearElasticContact) {
   Matrix3d compliance;
   compliance << 0.8, 0.1, 0.2, 0.1, 0.5, -0.1, 0.2, -0.1, 1.5;

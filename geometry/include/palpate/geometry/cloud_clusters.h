@@ -25,7 +25,7 @@ struct CloudClusters {
 
 /// Divides a cloud (3 x N [mm]) into the connected components of the graph that joins points at
 /// most `max_gap` apart. Points with a coordinate that is not finite are in no cluster. The result
-/// does not depend on the order of the points (but for ties in size) or the number of threads.
+/// does not depend on the order of the points (except for ties in size) or the number of threads.
 /// \throws InvalidInput if an option is outside its range, or max_gap is less than 2^-40 of the
 /// extent of the points.
 [[nodiscard]] CloudClusters cloud_clusters(const Eigen::Ref<const Eigen::Matrix3Xd>& points,

@@ -16,7 +16,7 @@
 // A record of a device loop: all that it read and all that it commanded. The file begins with one
 // line of JSON and a line break: {"format": "palpate loop record", "version": 2, "byte_order":
 // "little", "tick_bytes": 224, "device": {...}, "options": {...}, "session": ...}. Each tick
-// follows as a `TickRecord`: numbers of 8 bytes, but for pairs of whole numbers of 4.
+// follows as a `TickRecord`: numbers of 8 bytes, except pairs of whole numbers of 4.
 namespace palpate::haptics {
 
 struct TickRecord {

@@ -40,7 +40,7 @@ struct SceneOptions {
   /// elements feel forces that are wrong by less than 5 %; along a stretched membrane no distance
   /// is enough: see docs/trade-playback.md.
   double closest_tools = 25;
-  /// >= 1. A share falls from 1 to 0 in at least so many ticks.
+  /// >= 1. A share falls from 1 to 0 in at least this number of ticks.
   int fade_ticks = 20;
   /// [s] > 0. Time between two ticks; counts only for objects whose force depends on the rate.
   double tick = 1e-3;

@@ -52,7 +52,7 @@ struct ReachOptions {
 [[nodiscard]] Reach reach_of(const Eigen::Vector3d& p_world, const ReachOptions& options);
 
 /// Whether the links stay away from a surface (world frame) while the tip is at a place, which must
-/// be reachable: every point of them, but for 0.05 mm.
+/// be reachable: every point of them, up to 0.05 mm.
 [[nodiscard]] bool links_are_clear(const Eigen::Vector3d& p_world,
                                    const geometry::SurfaceQuery& surface,
                                    const ReachOptions& options);

@@ -9,8 +9,8 @@ namespace palpate::probing {
 
 /// [mm] Radius of the tip where `Acquisition::probe_radius` does not tell it.
 inline constexpr double kUsualTipRadius = 3;
-/// Up to one in so many contacts is left out, and reported, if it does not fit a surface. More are
-/// no mishap of single contacts.
+/// Up to one in this number of contacts is left out, and reported, if it does not fit a surface.
+/// More are no mishap of single contacts.
 inline constexpr std::size_t kContactsPerMisfit = 50;
 
 /// A contact that does not fit a surface.

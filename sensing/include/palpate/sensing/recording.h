@@ -32,7 +32,7 @@ struct LostFrames {
 };
 
 struct RecordingOptions {
-  std::optional<std::uint64_t> frames = {};  ///< ends after so many were recorded; >= 1
+  std::optional<std::uint64_t> frames = {};  ///< ends after this number; >= 1
   std::optional<double> seconds = {};        ///< ends so long after the first frame; > 0 [s]
   /// For frames that wait to be written [bytes].
   std::size_t memory = std::size_t{512} << 20U;
