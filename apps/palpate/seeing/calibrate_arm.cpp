@@ -130,16 +130,14 @@ void refuse_undetermined(const probing::ArmPlacement& placement, const Measureme
                     (advice.empty() ? "" : ". " + advice));
 }
 
-/// The setup that is to get the pose, or an empty one.
-/// \throws FileError if the file is something else.
-std::string setup_before(const fs::path& path) {
-  if (!fs::exists(path)) return "{}";
-  std::string text = probing::read_arm_setup_text(path);
-  static_cast<void>(probing::parse_arm_setup(text, path.string()));
-  return text;
+/// \throws FileError if there is a file that is not a setup.
+void check_setup(const fs::path& path) {
+  if (fs::exists(path))
+    static_cast<void>(probing::parse_arm_setup(probing::read_arm_setup_text(path), path.string()));
 }
 
-void write_setup(const fs::path& path, const std::string& before, const Eigen::Isometry3d& pose) {
+void write_setup(const fs::path& path, const Eigen::Isometry3d& pose) {
+  const std::string before = fs::exists(path) ? probing::read_arm_setup_text(path) : "{}";
   const std::string text = probing::with_pose(before, path.string(), pose);
   write_file(path, [&](std::ostream& out) { out << text; });
 }
@@ -191,7 +189,7 @@ void report(const Settings& settings, const PlacementCall& call,
 
 void calibrate_by_touches(const Settings& settings, PlacementCall call) {
   check_outputs({call.touches, call.surface, call.camera.rig}, {call.output});
-  const std::string before = setup_before(call.output);
+  check_setup(call.output);
   if (!call.start.empty()) call.options.T_camera_base_start = read_start(call.start);
   const Eigen::Matrix3Xd tips = probing::read_touches(call.touches);
   const geometry::TriangleMesh surface = read_view(call.surface, call.camera);
@@ -201,7 +199,7 @@ void calibrate_by_touches(const Settings& settings, PlacementCall call) {
   Json warnings = Json::array();
   tell_left_out_measurements(placement, kTouches, warnings);
   refuse_undetermined(placement, kTouches, call.touches.string());
-  write_setup(call.output, before, placement.T_camera_base);
+  write_setup(call.output, placement.T_camera_base);
   report(settings, call, placement, kTouches, std::move(warnings), Json::object(), "");
 }
 
@@ -225,7 +223,7 @@ void tell_small_ball(const std::vector<probing::HeldBall>& balls, Json& warnings
 
 void calibrate_by_ball(const Settings& settings, const PlacementCall& call) {
   check_outputs({call.ball, call.camera.rig}, {call.output});
-  const std::string before = setup_before(call.output);
+  check_setup(call.output);
   const std::vector<probing::SeenPose> poses = probing::read_seen_poses(call.ball);
   std::vector<probing::HeldBall> balls;
   Json warnings = Json::array();
@@ -247,7 +245,7 @@ void calibrate_by_ball(const Settings& settings, const PlacementCall& call) {
   tell_left_out_measurements(placement, kBalls, warnings);
   tell_small_ball(balls, warnings);
   refuse_undetermined(placement, kBalls, call.ball.string());
-  write_setup(call.output, before, placement.T_camera_base);
+  write_setup(call.output, placement.T_camera_base);
   Json more = {{"ball_offset", numbers_in(placement.offset)}, {"ball_offset_deviation", nullptr}};
   std::string prose;
   if (placement.offset_deviation) {

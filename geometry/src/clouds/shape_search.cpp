@@ -9,7 +9,7 @@ namespace palpate::geometry {
 
 ShapeSearch prepare_search(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                            const CloudShapeOptions& options, int sample) {
-  // This number of points gives a share of a tenth to a fifteenth of itself.
+  // With this number of points, a share of a tenth is known to a fifteenth of itself.
   constexpr int kJudges = 2000;
   require("CloudShapeOptions::tolerance", options.tolerance, above(0).finite(), "mm");
   require("CloudShapeOptions::min_share", options.min_share, above(0).at_most(1));

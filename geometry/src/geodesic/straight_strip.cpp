@@ -21,7 +21,7 @@ constexpr double kStraight = 1e-9;
 /// A path touches a vertex iff it crosses an edge within this fraction of the edge from it.
 constexpr double kTouches = 1e-12;
 
-/// The path no longer gets shorter once this number of attempts have not shortened it by more than
+/// The path no longer gets shorter once this number of attempts has not shortened it by more than
 /// rounding.
 constexpr int kMostIdle = 8;
 constexpr double kShorter = 1e-15;

@@ -11,7 +11,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// About this number of rows serves for the light, and of columns for the steps between rows.
+/// About this number of rows is used for the light, and of columns for the steps between rows.
 constexpr long kLightLines = 40;
 constexpr long kStepColumns = 20;
 

@@ -24,7 +24,7 @@ enum class AdaptiveStop {
   none,         ///< not yet
   accurate,     ///< the stated error is at most `until`
   max_hours,    ///< no time for another trial
-  max_samples,  ///< the largest number of samples is taken
+  max_samples,  ///< the largest number of samples was taken
   exhausted     ///< every contact of the plan has as many samples as are worth their time
 };
 /// "none", "accurate", "max_hours", "max_samples", "exhausted".
