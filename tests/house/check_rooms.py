@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that the rooms of the sources are those of ARCHITECTURE.md and include no room above them.
+"""Checks that the rooms of the sources are those of ARCHITECTURE.md, include no room above them, and
+that no two headers of a folder define types of the same name: the linker would silently mix them up.
 
 usage: check_rooms.py [REPOSITORY]
 """
@@ -11,6 +12,7 @@ from pathlib import Path
 SOURCES = {"core": "core/src", "geometry": "geometry/src", "sensing": "sensing/src", "probing": "probing/src",
            "acquisition": "acquisition/src", "haptics": "haptics/src", "palpate": "apps/palpate"}
 INCLUDE = re.compile(r'#include "([^"]+)"')
+TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)\b(?!::)[^;]*?\{", re.M)  # at the level of the namespace
 
 
 def read_rooms(architecture):
@@ -60,6 +62,12 @@ def check_folder(repository, folder, order, headers):
     for room in order:
         if room not in room_of.values():
             problems.append(f"ARCHITECTURE.md: room '{room}' of {folder} has no files")
+    defined = {}
+    for path in sorted([*base.rglob("*.h"), *public]):
+        for name in TYPE.findall(path.read_text()):
+            if name in defined:
+                problems.append(f"{path}: defines {name}, as {defined[name]} does; rename one of them")
+            defined[name] = path
     return problems
 
 

@@ -46,6 +46,13 @@ class CheckRooms(unittest.TestCase):
         self.assertIn("has no source file", problems(files)[0])
         self.assertEqual(problems(files, {("geometry", "d.h"): "low"}), [])
 
+    def test_refuses_types_of_the_same_name_in_two_headers(self):
+        files = GOOD | {"src/low/a.h": "struct Call {\n};\n", "src/high/c.h": "struct Call;\n"}
+        self.assertEqual(problems(files), [])
+        found = problems(files | {"src/high/c.h": "class Call final : public Base {\n};\n"})
+        self.assertEqual(len(found), 1)
+        self.assertIn("defines Call, as", found[0])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -13,7 +13,7 @@
 
 namespace palpate::apps {
 
-void add_live_camera_options(CLI::App& command, CameraCall& call) {
+void add_live_camera_options(CLI::App& command, LiveCameraCall& call) {
   command
       .add_option("CAMERA", call.name,
                   "aravis:NAME (GenICam), v4l2:NUMBER, or simulated:PATH, which plays a folder of "
@@ -38,7 +38,7 @@ void add_live_camera_options(CLI::App& command, CameraCall& call) {
       ->check(within(above(0).finite()));
 }
 
-std::unique_ptr<sensing::LiveCamera> open_live_camera(const CameraCall& call) {
+std::unique_ptr<sensing::LiveCamera> open_live_camera(const LiveCameraCall& call) {
   sensing::CameraSettings settings = call.settings;
   if (!call.size.empty()) settings.size = {call.size[0], call.size[1]};
   std::unique_ptr<sensing::LiveCamera> camera = sensing::open_camera(call.name, settings);

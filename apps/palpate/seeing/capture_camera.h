@@ -13,7 +13,7 @@
 namespace palpate::apps {
 
 /// The camera of a call, and how it is to be set.
-struct CameraCall {
+struct LiveCameraCall {
   std::string name;
   std::vector<int> size;  ///< width, height [px]; empty: as the camera is set
   sensing::CameraSettings settings;
@@ -21,11 +21,11 @@ struct CameraCall {
 };
 
 /// Adds CAMERA and the options of its settings.
-void add_live_camera_options(CLI::App& command, CameraCall& call);
+void add_live_camera_options(CLI::App& command, LiveCameraCall& call);
 
 /// Opens the camera, and prints what it warns of.
 /// \throws InvalidInput or DeviceError.
-[[nodiscard]] std::unique_ptr<sensing::LiveCamera> open_live_camera(const CameraCall& call);
+[[nodiscard]] std::unique_ptr<sensing::LiveCamera> open_live_camera(const LiveCameraCall& call);
 
 /// How the camera is set, for records and reports.
 [[nodiscard]] nlohmann::ordered_json figures_of(const sensing::CameraState& state);

@@ -35,7 +35,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostGaps = 8;
 
 struct SequenceCall {
-  CameraCall camera;
+  LiveCameraCall camera;
   fs::path output;
   std::optional<std::uint64_t> count;
   std::optional<double> seconds;

@@ -18,7 +18,7 @@ namespace palpate::apps {
 
 /// What all commands have that show images on a projector and take one image of each.
 struct StageCall {
-  CameraCall camera;
+  LiveCameraCall camera;
   std::filesystem::path show;  ///< folder of the images to show
   std::filesystem::path output;
   std::string projector;
