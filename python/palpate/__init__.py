@@ -129,8 +129,10 @@ try:
         write_points,
         write_range_map,
     )
-except ModuleNotFoundError as _error:
-    if _error.name != "palpate._palpate":
+except ImportError as _error:
+    if "shared object file" in str(_error):
+        raise ImportError(f"{_error}: docs/python.md lists the Debian packages that palpate needs") from _error
+    if not isinstance(_error, ModuleNotFoundError) or _error.name != "palpate._palpate":
         raise
     raise ImportError(
         f"palpate is built for another version of Python than {_sys.version_info.major}.{_sys.version_info.minor}: "

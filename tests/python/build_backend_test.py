@@ -100,6 +100,15 @@ class Installed(unittest.TestCase):
         words = set(re.findall(r"[a-z0-9+.-]+", (SOURCE / "docs/python.md").read_text()))
         self.assertEqual(packages - words, set())
 
+    def test_a_library_that_is_missing_is_named_with_what_to_do(self):
+        library = next(self.packages.glob("palpate/lib/libpalpate_core.so.*"))
+        library.rename(self.folder / library.name)
+        try:
+            done = subprocess.run([self.python, "-B", "-c", "import palpate"], env=ENVIRONMENT, capture_output=True, text=True, check=False)
+        finally:
+            (self.folder / library.name).rename(library)
+        self.assertRegex(done.stderr.splitlines()[-1], rf"^ImportError: {library.name}: cannot open.*docs/python\.md")
+
 
 class Wheel(unittest.TestCase):
     def test_the_same_files_make_the_same_bytes(self):
