@@ -136,7 +136,7 @@ std::vector<GridDistance> DistanceVolume::near_surface() const {
 DistanceVolume distances_around(const ScanDistance& scan, const Grid& grid, double reach) {
   DistanceVolume volume;
   const std::deque<NearTriangles> found =
-      nearest_triangles(scan.mesh(), grid, reach / grid.spacing);
+      nearest_triangles(scan.mesh(), scan.opposite(), grid, reach / grid.spacing);
   for (const NearTriangles& near : found) {
     DistanceVolume::Block& block = volume.block(near.block);
     for (std::size_t i = 0; i < kBlockPoints; ++i) {

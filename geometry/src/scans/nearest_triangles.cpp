@@ -119,23 +119,40 @@ struct Sample {
   int triangle = -1;  ///< of a sample that is not a vertex
 };
 
+/// The vertices, and points spread over large triangles; those on edges only once.
+/// \param opposite of half-edges.
 std::vector<Sample> samples_of(const Eigen::Matrix3Xd& at, const Eigen::Matrix3Xi& triangles,
-                               const Fans& fans) {
+                               const Eigen::Matrix3Xi& opposite, const Fans& fans) {
   std::vector<Sample> samples;
   samples.reserve(static_cast<std::size_t>(at.cols()));
   for (int v = 0; v < at.cols(); ++v) {
     const auto i = static_cast<std::size_t>(v);
     if (fans.begin[i] < fans.begin[i + 1]) samples.push_back({.at = at.col(v), .vertex = v});
   }
+  Eigen::VectorXd parts(triangles.cols());  // of the edges of each triangle
   for (int t = 0; t < triangles.cols(); ++t) {
+    double longest = kSampleDistance;
+    for (int k = 0; k < 3; ++k) {
+      longest =
+          std::max(longest, (at.col(triangles((k + 1) % 3, t)) - at.col(triangles(k, t))).norm());
+    }
+    parts[t] = std::ceil(longest / kSampleDistance);
+  }
+  for (int t = 0; t < triangles.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int beside = opposite(k, t) < 0 ? t : opposite(k, t) / 3;
+      if (beside < t) continue;
+      const double most = std::max(parts[t], parts[beside]);
+      const Vector3d from = at.col(triangles(k, t));
+      const Vector3d edge = at.col(triangles((k + 1) % 3, t)) - from;
+      for (double i = 1; i < most; ++i)
+        samples.push_back({.at = from + i / most * edge, .triangle = t});
+    }
     const Vector3d a = at.col(triangles(0, t)), ab = at.col(triangles(1, t)) - a,
                    ac = at.col(triangles(2, t)) - a;
-    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-    if (longest <= kSampleDistance) continue;
-    const double parts = std::ceil(longest / kSampleDistance);
-    for (double i = 0; i <= parts; ++i) {
-      for (double j = 0; i + j <= parts; ++j)
-        samples.push_back({.at = a + i / parts * ab + j / parts * ac, .triangle = t});
+    for (double i = 1; i < parts[t]; ++i) {
+      for (double j = 1; i + j < parts[t]; ++j)
+        samples.push_back({.at = a + i / parts[t] * ab + j / parts[t] * ac, .triangle = t});
     }
   }
   return samples;
@@ -167,8 +184,7 @@ class SampleSearch {
           const Index low = (first - corner).max(0);
           const Index high = (last - corner).min(kBlockEdge - 1);
           const Vector3f in_block = (at - corner.cast<double>().matrix()).cast<float>();
-          offer(block(grid_step(corner[0], corner[1], corner[2])), in_block, sample,
-                low.cast<int>(), high.cast<int>());
+          offer(block(x, y, z), in_block, sample, low.cast<int>(), high.cast<int>());
         }
       }
     }
@@ -205,33 +221,40 @@ class SampleSearch {
     }
   }
 
-  NearestSamples& block(std::int64_t key) {
-    if (key == last_key_) return *last_;
+  NearestSamples& block(std::int64_t x, std::int64_t y, std::int64_t z) {
+    const std::int64_t key = grid_step(x, y, z) * kBlockEdge;
+    Known& known = known_[static_cast<std::size_t>((z & 1) * 4 + (y & 1) * 2 + (x & 1))];
+    if (key == known.key) return *known.block;
     const auto number = static_cast<std::size_t>(numbers_.add(key));
     if (number == found.size()) {
       found.emplace_back().block = key;
       found.back().squared.fill(FourFloats{} + squared_radius_);
       found.back().sample.fill(FourInts{} - 1);
     }
-    last_key_ = key;
-    last_ = &found[number];
-    return *last_;
+    known = {.key = key, .block = &found[number]};
+    return *known.block;
   }
 
   double radius_;
   float squared_radius_;
   BlockNumbers numbers_;
-  std::int64_t last_key_ = -1;
-  NearestSamples* last_ = nullptr;
+  /// A block that was used last, of those whose indices are as even and odd: most samples reach
+  /// the same eight blocks as the one before.
+  struct Known {
+    std::int64_t key = -1;
+    NearestSamples* block = nullptr;
+  };
+  std::array<Known, 8> known_;
 };
 
 }  // namespace
 
-std::deque<NearTriangles> nearest_triangles(const TriangleMesh& mesh, const Grid& grid,
+std::deque<NearTriangles> nearest_triangles(const TriangleMesh& mesh,
+                                            const Eigen::Matrix3Xi& opposite, const Grid& grid,
                                             double reach) {
   const Eigen::Matrix3Xd at = (mesh.vertices.colwise() - grid.origin) / grid.spacing;
   const Fans fans(at, mesh.triangles);
-  const std::vector<Sample> samples = samples_of(at, mesh.triangles, fans);
+  const std::vector<Sample> samples = samples_of(at, mesh.triangles, opposite, fans);
   // A foot on a triangle is at most this far from a sample, if that is as far as it can be.
   constexpr double kFromSample = kSampleDistance / std::numbers::sqrt3;
   SampleSearch search(std::hypot(reach, kFromSample));

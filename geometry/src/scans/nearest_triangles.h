@@ -27,8 +27,10 @@ struct NearTriangles {
 /// nearest vertex (of large triangles, the nearest of points spread over them) are compared. Where
 /// a rough surface folds between its vertices another triangle may be slightly nearer. Points up to
 /// an edge length beyond the reach may be among them.
+/// \param opposite of half-edges, see `opposite_half_edges`.
 /// \param reach [spacings]
 [[nodiscard]] std::deque<NearTriangles> nearest_triangles(const TriangleMesh& mesh,
+                                                          const Eigen::Matrix3Xi& opposite,
                                                           const Grid& grid, double reach);
 
 }  // namespace palpate::geometry
