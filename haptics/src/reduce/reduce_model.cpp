@@ -107,7 +107,8 @@ struct Source {
   const Model& model;
   const ReduceOptions& options;
   std::vector<std::size_t> in_reach, beyond;  // contacts
-  PlayedStrokes choosing;
+  const PlayedStrokes& choosing;
+  ContactThinning thinning;
   std::vector<double> depths;  // [mm] of presses at the contacts
   std::function<void()> tried;
   std::map<double, geometry::Decimation> surfaces;  // by tolerance
@@ -168,8 +169,7 @@ std::vector<long long> ids_without(const Model& model, std::span<const std::size
 ReducedModel reduced_within(Source& source, const Allowed& allowed) {
   ReducedModel result;
   const ThinnedContacts thinned =
-      thin_contacts(source.model, source.in_reach, source.choosing.strokes, source.choosing.ends,
-                    std::sqrt(kContactsShare) * allowed.force, source.tried);
+      source.thinning.within(std::sqrt(kContactsShare) * allowed.force, source.tried);
   result.model = thinned.model;
   result.rms_of_contacts = thinned.error;
   result.rms_of_contacts_and_surface = thinned.error;
@@ -305,16 +305,19 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
   const ReduceOptions options = in_range(given);
   check_model(model);
   const StrokeSettings settings = stroke_settings(model, options);
-  StrokeSettings choosing = settings;
-  choosing.count = static_cast<int>(kChoosing * options.strokes);
-  choosing.seed += kOtherStrokes;
+  StrokeSettings choosing_settings = settings;
+  choosing_settings.count = static_cast<int>(kChoosing * options.strokes);
+  choosing_settings.seed += kOtherStrokes;
   const std::vector<bool> needed = needed_contacts(model, options.reachable);
+  const std::vector<std::size_t> in_reach = indices_where(needed, true);
+  const PlayedStrokes choosing = played(model, choosing_settings);
   int done = 0;
   Source source{.model = model,
                 .options = options,
-                .in_reach = indices_where(needed, true),
+                .in_reach = in_reach,
                 .beyond = indices_where(needed, false),
-                .choosing = played(model, choosing),
+                .choosing = choosing,
+                .thinning = {model, in_reach, choosing.strokes, choosing.ends},
                 .depths = press_depths(model, settings),
                 .tried =
                     [&] {
@@ -324,7 +327,7 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
                 .surfaces = {}};
   const PlayedStrokes measuring = played(model, settings);
   const std::optional<double> stated = stated_error(model, measuring.ends);
-  const double own = stated.value_or(0), force = rms_force(source.choosing.ends);
+  const double own = stated.value_or(0), force = rms_force(choosing.ends);
   const double least = own > 0 ? kReductionRoom * own : kShareOfForce * force;
   const std::optional<double> asked = asked_error(options, force);
   const Allowed allowed = allowed_errors(source, own, least, asked);

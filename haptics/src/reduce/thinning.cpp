@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -73,75 +74,6 @@ std::vector<std::size_t> with_neighbours(const std::vector<std::vector<int>>& ne
   return result;
 }
 
-class Thinning {
- public:
-  Thinning(const Model& model, std::span<const std::size_t> candidates,
-           std::span<const Stroke> strokes, std::span<const StrokeEnd> ends)
-      : model_(model),
-        strokes_(strokes),
-        ends_(ends),
-        neighbours_(neighbours_of(model)),
-        candidates_(with_neighbours(neighbours_, candidates)) {
-    const BlendedField field(model);
-    for (const StrokeEnd& end : ends)
-      weights_.push_back(field.weights(field.surface().closest_point(end.contact).at));
-  }
-
-  [[nodiscard]] ThinnedContacts with(std::vector<std::size_t> kept) {
-    ThinnedContacts result{.kept = std::move(kept), .model = {}};
-    try {
-      result.model = with_contacts(model_, result.kept);
-    } catch (const Error&) {
-      // More contacts may have a triangulation where a few have none.
-      if (result.kept.size() == candidates_.size()) throw;
-      result.error = std::numeric_limits<double>::infinity();
-      return result;
-    }
-    differences_ = force_differences(ends_, play_strokes(result.model, strokes_));
-    double sum = 0;
-    for (const double difference : differences_) sum += difference * difference;
-    result.error = std::sqrt(sum / static_cast<double>(differences_.size()));
-    return result;
-  }
-
-  /// Candidates to add to those of the last model, the one that it misses most first; no two of
-  /// them are neighbours.
-  [[nodiscard]] std::vector<std::size_t> missing(const std::vector<std::size_t>& kept) const {
-    std::vector<double> missed(model_.contacts.size(), 0);
-    for (std::size_t j = 0; j < differences_.size(); ++j) {
-      for (std::size_t k = 0; k < static_cast<std::size_t>(weights_[j].count); ++k) {
-        missed[static_cast<std::size_t>(weights_[j].contacts[k])] +=
-            weights_[j].weights[k] * differences_[j] * differences_[j];
-      }
-    }
-    std::vector<bool> blocked(model_.contacts.size(), true);
-    for (const std::size_t i : candidates_) blocked[i] = false;
-    for (const std::size_t i : kept) blocked[i] = true;
-    std::vector<std::size_t> order = candidates_;
-    std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return missed[i]; });
-    const auto most =
-        static_cast<std::size_t>(std::max(1.0, kAdded * static_cast<double>(kept.size())));
-    std::vector<std::size_t> result;
-    for (const std::size_t i : order) {
-      if (result.size() == most) break;
-      if (blocked[i]) continue;
-      result.push_back(i);
-      blocked[i] = true;
-      for (const int other : neighbours_[i]) blocked[static_cast<std::size_t>(other)] = true;
-    }
-    return result;
-  }
-
- private:
-  const Model& model_;
-  std::span<const Stroke> strokes_;
-  std::span<const StrokeEnd> ends_;
-  std::vector<std::vector<int>> neighbours_;
-  std::vector<std::size_t> candidates_;
-  std::vector<geometry::ContactWeights> weights_;  // of each end
-  std::vector<double> differences_;                // [N] of the last model, at each end
-};
-
 std::vector<std::size_t> with_first(std::vector<std::size_t> kept,
                                     const std::vector<std::size_t>& added, std::size_t count) {
   kept.insert(kept.end(), added.begin(), added.begin() + static_cast<std::ptrdiff_t>(count));
@@ -151,36 +83,96 @@ std::vector<std::size_t> with_first(std::vector<std::size_t> kept,
 
 }  // namespace
 
-ThinnedContacts thin_contacts(const Model& model, std::span<const std::size_t> candidates,
-                              std::span<const Stroke> strokes, std::span<const StrokeEnd> ends,
-                              double error, const std::function<void()>& tried) {
-  Thinning thinning(model, candidates, strokes, ends);
-  const auto with = [&](std::vector<std::size_t> kept) {
-    ThinnedContacts result = thinning.with(std::move(kept));
-    tried();
-    return result;
-  };
-  ThinnedContacts best = with(spread_out(model, candidates, kFirstContacts));
-  std::vector<std::size_t> before, added;
-  while (best.error > error) {
-    before = best.kept;
-    added = thinning.missing(before);
-    if (added.empty()) return best;
-    best = with(with_first(before, added, added.size()));
+ContactThinning::ContactThinning(const Model& model, std::span<const std::size_t> candidates,
+                                 std::span<const Stroke> strokes, std::span<const StrokeEnd> ends)
+    : model_(model),
+      strokes_(strokes),
+      ends_(ends),
+      neighbours_(neighbours_of(model)),
+      candidates_(with_neighbours(neighbours_, candidates)),
+      first_(spread_out(model, candidates, kFirstContacts)) {
+  const BlendedField field(model);
+  for (const StrokeEnd& end : ends)
+    weights_.push_back(field.weights(field.surface().closest_point(end.contact).at));
+}
+
+ThinnedContacts ContactThinning::within(double error, const std::function<void()>& tried) {
+  std::vector<std::size_t> kept = first_, before, added;
+  std::span<const double> differences;  // of the last choice that has a triangulation
+  while (played(kept, tried).error > error) {
+    const Choice& choice = played(kept, tried);
+    if (!choice.differences.empty()) differences = choice.differences;
+    before = kept;
+    added = missing(before, differences);
+    if (added.empty()) break;
+    kept = with_first(before, added, added.size());
   }
   // The last ones were added together; fewer may do.
   std::size_t too_few = 0, enough = added.size();
-  while (best.error <= error && enough - too_few > 1) {
+  while (enough - too_few > 1) {
     const std::size_t middle = (too_few + enough) / 2;
-    ThinnedContacts fewer = with(with_first(before, added, middle));
-    if (fewer.error <= error) {
-      best = std::move(fewer);
+    std::vector<std::size_t> fewer = with_first(before, added, middle);
+    if (played(fewer, tried).error <= error) {
+      kept = std::move(fewer);
       enough = middle;
     } else {
       too_few = middle;
     }
   }
-  return best;
+  return {.kept = kept, .model = with_contacts(model_, kept), .error = played(kept, tried).error};
+}
+
+const ContactThinning::Choice& ContactThinning::played(const std::vector<std::size_t>& kept,
+                                                       const std::function<void()>& tried) {
+  const auto known = choices_.find(kept);
+  if (known != choices_.end()) return known->second;
+  const Choice& choice = choices_[kept] = play(kept);
+  tried();
+  return choice;
+}
+
+ContactThinning::Choice ContactThinning::play(const std::vector<std::size_t>& kept) const {
+  Model model;
+  try {
+    model = with_contacts(model_, kept);
+  } catch (const Error&) {
+    // More contacts may have a triangulation where a few have none.
+    if (kept.size() == candidates_.size()) throw;
+    return {.error = std::numeric_limits<double>::infinity(), .differences = {}};
+  }
+  Choice choice{.error = 0, .differences = force_differences(ends_, play_strokes(model, strokes_))};
+  double sum = 0;
+  for (const double difference : choice.differences) sum += difference * difference;
+  choice.error = std::sqrt(sum / static_cast<double>(choice.differences.size()));
+  return choice;
+}
+
+// Candidates to add, the one that a choice misses most first; no two of them are neighbours.
+std::vector<std::size_t> ContactThinning::missing(const std::vector<std::size_t>& kept,
+                                                  std::span<const double> differences) const {
+  std::vector<double> missed(model_.contacts.size(), 0);
+  for (std::size_t j = 0; j < differences.size(); ++j) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(weights_[j].count); ++k) {
+      missed[static_cast<std::size_t>(weights_[j].contacts[k])] +=
+          weights_[j].weights[k] * differences[j] * differences[j];
+    }
+  }
+  std::vector<bool> blocked(model_.contacts.size(), true);
+  for (const std::size_t i : candidates_) blocked[i] = false;
+  for (const std::size_t i : kept) blocked[i] = true;
+  std::vector<std::size_t> order = candidates_;
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return missed[i]; });
+  const auto most =
+      static_cast<std::size_t>(std::max(1.0, kAdded * static_cast<double>(kept.size())));
+  std::vector<std::size_t> result;
+  for (const std::size_t i : order) {
+    if (result.size() == most) break;
+    if (blocked[i]) continue;
+    result.push_back(i);
+    blocked[i] = true;
+    for (const int other : neighbours_[i]) blocked[static_cast<std::size_t>(other)] = true;
+  }
+  return result;
 }
 
 }  // namespace palpate::haptics

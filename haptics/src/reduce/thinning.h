@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <span>
 #include <vector>
 
+#include "palpate/geometry/contact_locator.h"
 #include "palpate/haptics/model.h"
 #include "reduce/strokes.h"
 
@@ -19,16 +21,43 @@ struct ThinnedContacts {
   double error = 0;               ///< [N] RMS difference from the model at the ends of the strokes
 };
 
-/// Chooses few contacts with which strokes feel as with all of them. It begins with a few that
-/// cover the object, and adds those at which the difference is largest, some at a time and never
-/// two neighbours, until it is at most `error`, or there are no more. Contacts around the
-/// candidates come last: they keep the triangles of the candidates as they are.
-/// \param candidates indices, ascending; at least three.
-/// \param ends of the strokes, as the model plays them. \param tried is called after each model.
-[[nodiscard]] ThinnedContacts thin_contacts(const Model& model,
-                                            std::span<const std::size_t> candidates,
-                                            std::span<const Stroke> strokes,
-                                            std::span<const StrokeEnd> ends, double error,
-                                            const std::function<void()>& tried);
+/// Chooses few contacts with which strokes feel as with all of them. What it learns of a choice is
+/// kept for the next error.
+class ContactThinning {
+ public:
+  /// \param candidates indices, ascending; at least three.
+  /// \param ends of the strokes, as the model plays them.
+  /// Precondition: the model, the strokes and their ends outlive this.
+  ContactThinning(const Model& model, std::span<const std::size_t> candidates,
+                  std::span<const Stroke> strokes, std::span<const StrokeEnd> ends);
+
+  /// Begins with a few contacts that cover the object, and adds those at which the difference is
+  /// largest, some at a time and never two neighbours, until it is at most `error`, or there are no
+  /// more. Contacts around the candidates come last: they keep the triangles of the candidates as
+  /// they are.
+  /// \param tried is called after each model that was played.
+  [[nodiscard]] ThinnedContacts within(double error, const std::function<void()>& tried);
+
+ private:
+  struct Choice {
+    double error = 0;                 // [N] RMS of the differences
+    std::vector<double> differences;  // [N] at each end; empty without a triangulation
+  };
+
+  [[nodiscard]] const Choice& played(const std::vector<std::size_t>& kept,
+                                     const std::function<void()>& tried);
+  [[nodiscard]] Choice play(const std::vector<std::size_t>& kept) const;
+  [[nodiscard]] std::vector<std::size_t> missing(const std::vector<std::size_t>& kept,
+                                                 std::span<const double> differences) const;
+
+  const Model& model_;
+  std::span<const Stroke> strokes_;
+  std::span<const StrokeEnd> ends_;
+  std::vector<std::vector<int>> neighbours_;       // of each contact
+  std::vector<std::size_t> candidates_;            // those given, then their neighbours
+  std::vector<std::size_t> first_;                 // with which it begins
+  std::vector<geometry::ContactWeights> weights_;  // of each end
+  std::map<std::vector<std::size_t>, Choice> choices_;
+};
 
 }  // namespace palpate::haptics

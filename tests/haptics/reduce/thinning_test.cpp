@@ -14,19 +14,24 @@ namespace {
 
 using ::testing::Contains;
 
-// Thinned to a difference of `error` [N] in presses of up to 3 mm.
-ThinnedContacts thinned(const Model& model, double error,
-                        std::vector<std::size_t> candidates = {}) {
-  if (candidates.empty()) {
-    candidates.resize(model.contacts.size());
-    std::iota(candidates.begin(), candidates.end(), std::size_t{0});
-  }
-  const std::vector<Stroke> strokes =
-      random_strokes(model, {.count = 500, .largest_depth = 3, .drags = false});
-  return thin_contacts(model, candidates, strokes, play_strokes(model, strokes), error, [] {});
+std::vector<Stroke> shallow_presses(const Model& model) {
+  return random_strokes(model, {.count = 500, .largest_depth = 3, .drags = false});
 }
 
-TEST(ThinContacts, LeavesFewOfAnObjectThatIsTheSameEverywhere) {
+std::vector<std::size_t> all_contacts(const Model& model) {
+  std::vector<std::size_t> all(model.contacts.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return all;
+}
+
+// Thinned to a difference of `error` [N] in presses of up to 3 mm.
+ThinnedContacts thinned(const Model& model, double error) {
+  const std::vector<Stroke> strokes = shallow_presses(model);
+  const std::vector<StrokeEnd> ends = play_strokes(model, strokes);
+  return ContactThinning(model, all_contacts(model), strokes, ends).within(error, [] {});
+}
+
+TEST(ContactThinning, LeavesFewOfAnObjectThatIsTheSameEverywhere) {
   const Model model = grid_model(14, [](double, double) { return spring(4, 10); });
   const ThinnedContacts result = thinned(model, 1e-3);
   EXPECT_LE(result.kept.size(), 6U);
@@ -34,7 +39,7 @@ TEST(ThinContacts, LeavesFewOfAnObjectThatIsTheSameEverywhere) {
   EXPECT_EQ(result.model.contacts.size(), result.kept.size());
 }
 
-TEST(ThinContacts, KeepsTheContactThatTheOthersDoNotPredict) {
+TEST(ContactThinning, KeepsTheContactThatTheOthersDoNotPredict) {
   const Model model =
       grid_model(14, [](double x, double y) { return spring(x == 14 && y == -14 ? 9 : 4, 10); });
   std::size_t hard = 0;
@@ -44,7 +49,7 @@ TEST(ThinContacts, KeepsTheContactThatTheOthersDoNotPredict) {
   EXPECT_LT(result.kept.size(), model.contacts.size() / 2);
 }
 
-TEST(ThinContacts, KeepsMoreContactsForASmallerError) {
+TEST(ContactThinning, KeepsMoreContactsForASmallerError) {
   const Model model = grid_model(14, [](double x, double y) {
     return spring(4 + std::sin(0.08 * x) * std::cos(0.06 * y), 10);
   });
@@ -58,7 +63,26 @@ TEST(ThinContacts, KeepsMoreContactsForASmallerError) {
   EXPECT_GT(before, 12U);
 }
 
-TEST(ThinContacts, KeepsAllForNoErrorAtAll) {
+TEST(ContactThinning, PlaysNoChoiceOfContactsAgainForAnotherError) {
+  const Model model = grid_model(14, [](double x, double y) {
+    return spring(4 + std::sin(0.08 * x) * std::cos(0.06 * y), 10);
+  });
+  const std::vector<Stroke> strokes = shallow_presses(model);
+  const std::vector<StrokeEnd> ends = play_strokes(model, strokes);
+  int played = 0;
+  const auto count = [&] { ++played; };
+  ContactThinning thinning(model, all_contacts(model), strokes, ends);
+  for (const double error : {0.3, 0.03, 0.1}) {
+    const ThinnedContacts result = thinning.within(error, count), alone = thinned(model, error);
+    EXPECT_EQ(result.kept, alone.kept);
+    EXPECT_EQ(result.error, alone.error);
+  }
+  const int once = played;
+  static_cast<void>(thinning.within(0.03, count));
+  EXPECT_EQ(played, once);
+}
+
+TEST(ContactThinning, KeepsAllForNoErrorAtAll) {
   const Model model = grid_model(21, [](double x, double y) {
     return spring(4 + std::sin(0.2 * x) * std::cos(0.17 * y), 10);
   });
