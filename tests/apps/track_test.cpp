@@ -294,6 +294,16 @@ TEST_F(Track, FollowsTheTextureOfPicturesBesideTheDepths) {
   ASSERT_EQ(run("seeing", {"--color-images", scratch / "color", "--resume"}).status, kDone);
   EXPECT_EQ(content(scratch / "seeing"), whole);
 
+  // Nor does it keep what another picture has changed.
+  fs::copy(scratch / "color/000000.png", scratch / "color/000002.png",
+           fs::copy_options::overwrite_existing);
+  const CommandResult changed =
+      run("seeing", {"--color-images", scratch / "color", "--resume", "--json"});
+  ASSERT_EQ(changed.status, kDone) << changed.err;
+  EXPECT_EQ(json::parse(changed.out)["kept"], 2);
+  ASSERT_EQ(run("fresh", {"--color-images", scratch / "color"}).status, kDone);
+  EXPECT_EQ(content(scratch / "seeing"), content(scratch / "fresh"));
+
   fs::remove(scratch / "color/000002.png");
   const CommandResult missing = run("missing", {"--color-images", scratch / "color"});
   EXPECT_EQ(missing.status, kWrongCall);
@@ -335,6 +345,22 @@ TEST_F(Track, AResumedRunTracksAnewFromTheFirstRangeMapThatChanged) {
   EXPECT_EQ(rest.status, kWorkFailed) << rest.err;
   EXPECT_EQ(json::parse(rest.out)["kept"], 2);
   EXPECT_EQ(content(scratch / "meshes"), content(scratch / "whole"));
+}
+
+TEST_F(Track, AResumedRunTracksAllFramesAgainWithAnotherMask) {
+  const std::string mask = scratch / "mask.png";
+  const auto write_mask = [&](int columns) {
+    cv::Mat kept(scene::bumpy_camera(kWidth).height, kWidth, CV_8U, cv::Scalar(255));
+    kept.colRange(0, columns) = 0;
+    sensing::write_png(mask, kept);
+  };
+  for (int frame = 2; frame < kFrames; ++frame) fs::remove(map_file(frame));
+  write_mask(1);
+  ASSERT_EQ(track({"--mask", mask}).status, kDone);
+  write_mask(kWidth / 2);
+  const CommandResult rest = track({"--mask", mask, "--resume"});
+  ASSERT_EQ(rest.status, kDone) << rest.err;
+  EXPECT_EQ(json::parse(rest.out)["kept"], 0);
 }
 
 TEST_F(Track, AResumedRunTakesRangeMapsThatWereAdded) {

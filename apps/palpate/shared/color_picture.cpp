@@ -40,8 +40,8 @@ std::filesystem::path recorded_color(const std::filesystem::path& folder,
   return {};
 }
 
-/// The picture of a range map in a folder.
-/// \throws FileError if there is none.
+}  // namespace
+
 std::filesystem::path picture_of(const std::filesystem::path& folder,
                                  const std::filesystem::path& range_map,
                                  sensing::DepthRecordings& recordings) {
@@ -57,8 +57,6 @@ std::filesystem::path picture_of(const std::filesystem::path& folder,
                               folder.string(), range_map.filename().string(), name, name, name,
                               name));
 }
-
-}  // namespace
 
 geometry::Attributes colors_beside(const std::filesystem::path& range_map,
                                    const Eigen::Matrix3Xd& vertices, const MapCamera& camera) {

@@ -19,10 +19,15 @@ namespace palpate::apps {
                                                  const Eigen::Matrix3Xd& vertices,
                                                  const MapCamera& camera);
 
-/// Colours of the vertices of a range map's mesh, from the picture of the same name in a folder:
-/// NAME_color.png, as `decode --surface-color` writes it, or NAME.png, NAME.jpg or NAME.tiff, which
-/// is not the range map itself; or, if the folder belongs to a recording (`is_depth_recording`),
-/// the picture that was taken with the depth image.
+/// The picture of a range map NAME in a folder: NAME_color.png, as `decode --surface-color` writes
+/// it, or NAME.png, NAME.jpg or NAME.tiff, which is not the range map itself; or, if the folder
+/// belongs to a recording (`is_depth_recording`), the picture that was taken with the depth image.
+/// \throws FileError if there is none.
+[[nodiscard]] std::filesystem::path picture_of(const std::filesystem::path& folder,
+                                               const std::filesystem::path& range_map,
+                                               sensing::DepthRecordings& recordings);
+
+/// Colours of the vertices of a range map's mesh, from its picture in a folder.
 /// \param vertices 3 x V [mm], camera frame
 /// \throws FileError if there is none, or if it has not 8 bit or not the size of the range map.
 [[nodiscard]] geometry::Attributes colors_in(const std::filesystem::path& folder,
@@ -31,7 +36,8 @@ namespace palpate::apps {
                                              const geometry::Camera& camera,
                                              sensing::DepthRecordings& recordings);
 
-/// Intensities of a range map's pixels, from such a picture: of colours, the mean of the channels.
+/// Intensities of a range map's pixels, from its picture in a folder: of colours, the mean of the
+/// channels.
 /// \throws FileError if there is none, or if it has not the size of the range map.
 [[nodiscard]] geometry::ImageF intensities_in(const std::filesystem::path& folder,
                                               const std::filesystem::path& range_map,

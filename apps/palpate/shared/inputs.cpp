@@ -145,8 +145,7 @@ geometry::RangeMap read_range_map(const fs::path& path, const MapCamera& camera)
 geometry::PixelMask mask_of(const fs::path& range_map, const geometry::RangeMap& map,
                             const fs::path& mask) {
   if (mask.empty()) return {};
-  if (!is_folder(mask)) return read_mask(mask, map.z);
-  return read_mask(mask / (range_map.stem().string() + ".png"), map.z);
+  return read_mask(mask_file(range_map, mask), map.z);
 }
 
 /// What each option that is given has left out, in words: "12 nearer than --near 300".
@@ -338,6 +337,10 @@ void check_camera_options(const fs::path& path, const MapCamera& camera) {
                        ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px], --camera "
                        "FILE, or a rig.yaml beside it.");
   }
+}
+
+fs::path mask_file(const fs::path& range_map, const fs::path& mask) {
+  return is_folder(mask) ? mask / (range_map.stem().string() + ".png") : mask;
 }
 
 geometry::RangeMap load_range_map(const fs::path& path, const MapCamera& camera) {

@@ -60,6 +60,11 @@ void add_selection_options(CLI::App& command, MapCamera& camera);
 /// \throws FileError if the mask is missing.
 void check_camera_options(const std::filesystem::path& path, const MapCamera& camera);
 
+/// The mask of a range map. \param mask see `MapCamera`; not empty.
+/// \throws FileError if `mask` is missing.
+[[nodiscard]] std::filesystem::path mask_file(const std::filesystem::path& range_map,
+                                              const std::filesystem::path& mask);
+
 /// Reads a range map or a depth image, and tells what is unlikely about its camera and depths.
 /// Selects depths as the options say, and tells which of them leave out nothing.
 /// \throws FileError if it, its rig or its mask is missing or damaged.

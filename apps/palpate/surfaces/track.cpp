@@ -88,7 +88,22 @@ Reference load_reference(const TrackCall& call, const fs::path& first_map) {
   return reference;
 }
 
-/// All that the meshes depend on besides the range maps.
+/// Of a range map, and of its mask and its picture.
+std::string content_of(const TrackCall& call, const fs::path& range_map) {
+  std::string content = fingerprint(range_map);
+  if (!call.camera.mask.empty()) content += fingerprint(mask_file(range_map, call.camera.mask));
+  if (!call.color_images.empty()) {
+    try {
+      content +=
+          fingerprint(picture_of(call.color_images, range_map, call.camera.files->recordings));
+    } catch (const FileError&) {
+      content += "none";  // a frame that is lost needs no picture
+    }
+  }
+  return fingerprint_of(content);
+}
+
+/// All that the meshes depend on besides the range maps, their masks and their pictures.
 nlohmann::ordered_json settings_of(TrackCall call, const fs::path& reference,
                                    const fs::path& first_map) {
   const bool needs_rig = call.camera.intrinsics.empty();
@@ -135,7 +150,7 @@ FrameResult track_one(const TrackCall& call, const Reference& reference, const T
   const auto lost = [&](const std::string& why) {
     spdlog::error("{}", why);
     return FrameResult{.frame = {.range_map = file.filename().string(),
-                                 .fingerprint = fingerprint(file),
+                                 .fingerprint = content_of(call, file),
                                  .lost = why},
                        .found = {}};
   };
@@ -150,7 +165,7 @@ FrameResult track_one(const TrackCall& call, const Reference& reference, const T
       tracker.track(map, tool.in(file), image_of(call, file, map.camera));
   if (found.lost.empty()) {
     const TrackedFrame frame{.range_map = file.filename().string(),
-                             .fingerprint = fingerprint(file),
+                             .fingerprint = content_of(call, file),
                              .lost = {},
                              .figures = found.figures};
     return {.frame = frame, .found = std::move(found)};
@@ -327,8 +342,11 @@ void track(const Settings& settings, TrackCall call) {
   ResultFolder folder(call.output, tracked_files, call.resume ? resumed : kept);
   call.outputs.folder = folder.place();
   TrackRecord record(folder.place(), settings_of(call, reference.file, maps.front()), maps);
-  if (call.resume)
-    record.resume([&](const TrackedFrame& frame) { return has_outputs(call.outputs, frame); });
+  if (call.resume) {
+    record.resume([&](const TrackedFrame& frame, const fs::path& range_map) {
+      return frame.fingerprint == content_of(call, range_map) && has_outputs(call.outputs, frame);
+    });
+  }
   Tracking tracking{
       .frames = record.kept(), .kept = record.kept().size(), .recorded = record.kept().size()};
   try {

@@ -12,7 +12,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -139,7 +138,7 @@ void TrackRecord::check_inputs(const Json& head) const {
   }
 }
 
-void TrackRecord::resume(const std::function<bool(const TrackedFrame&)>& is_complete) {
+void TrackRecord::resume(const std::function<bool(const TrackedFrame&, const fs::path&)>& is_kept) {
   if (!is_there(path())) return;
   const RunRecord record = read_run_record(path(), kTrackRemedy);
   try {
@@ -147,9 +146,7 @@ void TrackRecord::resume(const std::function<bool(const TrackedFrame&)>& is_comp
     check_inputs(record.head);
     for (std::size_t i = 0; i < std::min(record.items.size(), inputs_.size()); ++i) {
       const TrackedFrame frame = tracked_frame(record.items[i]);
-      if (frame.range_map != inputs_[i].filename() ||
-          frame.fingerprint != fingerprint(inputs_[i]) || !is_complete(frame))
-        return;
+      if (frame.range_map != inputs_[i].filename() || !is_kept(frame, inputs_[i])) return;
       kept_.push_back(frame);
     }
   } catch (const Json::exception& error) {

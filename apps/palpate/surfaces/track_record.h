@@ -17,7 +17,7 @@ namespace palpate::apps {
 /// What became of one range map.
 struct TrackedFrame {
   std::string range_map;                   ///< name of its file
-  std::string fingerprint;                 ///< of its content
+  std::string fingerprint;                 ///< of all files that it depends on
   std::string lost;                        ///< why the surface was not found; empty if it was
   geometry::TrackingFigures figures = {};  ///< of a frame that is not lost
 };
@@ -38,12 +38,14 @@ class TrackRecord {
   TrackRecord(std::filesystem::path folder, nlohmann::ordered_json settings,
               std::vector<std::filesystem::path> inputs);
 
-  /// Takes over the frames that an earlier run finished, up to the first one whose range map has
-  /// changed or which is not complete: each frame depends on the one before.
+  /// Takes over the frames that an earlier run finished, up to the first one that is not as it
+  /// would be now: each frame depends on the one before.
+  /// \param is_kept of a frame and its range map, whether that has not changed and all is there.
   /// \throws InvalidInput unless settings and range maps are the same (range maps may be added at
   /// the end).
   /// \throws FileError if the record cannot be read.
-  void resume(const std::function<bool(const TrackedFrame&)>& is_complete);
+  void resume(
+      const std::function<bool(const TrackedFrame&, const std::filesystem::path&)>& is_kept);
 
   /// Frames that are taken over: those of the first range maps.
   [[nodiscard]] const std::vector<TrackedFrame>& kept() const { return kept_; }
