@@ -97,6 +97,60 @@ TEST_F(Cloud, OfARangeMapIsOrganisedWithColoursAndDeviations) {
   }
 }
 
+TEST_F(Cloud, ThatIsOrganisedBecomesARangeMapWithItsCameraAndColours) {
+  const cv::Mat picture(60, 80, CV_8UC3, cv::Scalar(3, 20, 100));
+  sensing::write_png(scratch / "scene_color.png", picture);
+  // As depth cameras write it: float, in metres.
+  geometry::PointCloud cloud;
+  (void)figures({scratch / "scene.tiff", "--color", "-o", scratch / "scene.pcd"});
+  cloud = geometry::read_point_cloud(scratch / "scene.pcd");
+  cloud.points /= 1000;
+  geometry::write_point_cloud(scratch / "metres.pcd", cloud, {.single_precision = true});
+  EXPECT_THAT(run_palpate({"mesh", scratch / "metres.pcd", "-o", scratch / "mesh.ply"}).err,
+              HasSubstr("make a range map of them first: palpate cloud "));
+  std::filesystem::create_directory(scratch / "range");
+  const std::string map = scratch / "range/scene.tiff";
+  const CommandResult made =
+      run_palpate({"cloud", scratch / "metres.pcd", "--unit", "m", "-o", map});
+  ASSERT_EQ(made.status, kDone) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("fx 200.00, fy 200.00, cx 39.50, cy 29.50 px"));
+  const geometry::ImageF back = geometry::read_depth_tiff(map);
+  ASSERT_EQ(back.size(), z.size());
+  for (Eigen::Index i = 0; i < z.size(); ++i)
+    EXPECT_TRUE(std::isnan(z.data()[i]) ||
+                std::abs(double{back.data()[i]} - double{z.data()[i]}) < kDepthRounding);
+  EXPECT_TRUE(std::isnan(back(3, 4)));
+  const cv::Mat colors = sensing::read_frame(scratch / "range/scene_color.png");
+  EXPECT_EQ(colors.at<cv::Vec3b>(30, 40), picture.at<cv::Vec3b>(30, 40));
+  // It is a range map as any other, and the next one of its camera lies beside it.
+  EXPECT_EQ(run_palpate({"mesh", map, "--color", "-o", scratch / "mesh.ply"}).status, kDone);
+  const CommandResult next = run_palpate({"cloud", scratch / "scene.pcd", "--plane", "0.01",
+                                          "--remove", "-o", scratch / "range/1.tiff"});
+  EXPECT_EQ(next.status, kDone) << next.err;
+  EXPECT_EQ((geometry::read_depth_tiff(scratch / "range/1.tiff") > 0).count(), on_ball);
+}
+
+TEST_F(Cloud, BecomesARangeMapOfItsOwnCameraOnly) {
+  const std::string map = scratch / "map.tiff";
+  (void)figures({scratch / "scene.tiff", "-o", scratch / "scene.pcd"});
+  std::filesystem::rename(scratch / "scene.tiff", scratch / "before.tiff");
+  write_text(scratch / "other.yaml",
+             "%YAML:1.0\n---\ncamera_size: [80, 60]\ncamera_matrix: !!opencv-matrix\n"
+             "   rows: 3\n   cols: 3\n   dt: d\n"
+             "   data: [203., 0., 39.5, 0., 200., 29.5, 0., 0., 1.]\ncamera_distortion: []\n");
+  const std::string cloud = scratch / "scene.pcd";
+  EXPECT_THAT(wrong({cloud, "--camera", scratch / "other.yaml", "-o", map}),
+              HasSubstr("rig.yaml: is of another camera than the points"));
+  std::filesystem::create_directory(scratch / "new");
+  EXPECT_THAT(
+      wrong({cloud, "--camera", scratch / "other.yaml", "-o", scratch / "new/map.tiff"}),
+      HasSubstr("the point of column 0, row 0 is not where this pixel of the camera sees it"));
+  EXPECT_THAT(wrong({cloud, "--voxel", "1", "-o", map}), HasSubstr("have no rows and columns"));
+  EXPECT_THAT(wrong({cloud, "--single", "-o", map}), HasSubstr("range maps are always float"));
+  EXPECT_FALSE(std::filesystem::exists(map));
+  EXPECT_TRUE(std::filesystem::is_empty(scratch / "new"));
+}
+
 TEST_F(Cloud, FindsTheWallAndTheBallAndDividesThem) {
   const json said = figures({scratch / "scene.tiff", "--plane", "0.01", "--remove", "--sphere",
                              "0.01", "--cluster", "20", "--keep", "-o", scratch / "ball.pcd"});

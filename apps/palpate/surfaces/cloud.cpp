@@ -20,6 +20,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
+#include "surfaces/cloud_range_map.h"
 #include "surfaces/cloud_steps.h"
 #include "surfaces/describe_cloud.h"
 
@@ -177,10 +178,23 @@ void write_cloud(const CloudCall& call, geometry::PointCloud& cloud) {
   geometry::write_point_cloud(call.output, cloud, {.single_precision = call.single_precision});
 }
 
+/// The camera that saw the points, if the call tells it.
+std::optional<geometry::Camera> camera_of(const CloudCall& call) {
+  const MapCamera& camera = call.settings.camera;
+  const fs::path& first = call.inputs.front();
+  if (camera.rig.empty() && !is_range_map(first)) return std::nullopt;
+  return camera.files->cameras.read(rig_of(first, camera.rig)).camera;
+}
+
 void check_call(CloudCall& call) {
   const std::string extension = lower_extension(call.output);
-  if (extension != ".pcd" && extension != ".ply")
-    throw InvalidInput(call.output.string() + ": points are written as .pcd or .ply");
+  if (extension != ".pcd" && extension != ".ply" && !is_range_map(call.output))
+    throw InvalidInput(call.output.string() +
+                       ": points are written as .pcd or .ply, organised ones also as a range map "
+                       "(.tiff)");
+  if (is_range_map(call.output) && call.single_precision)
+    throw InvalidInput(call.output.string() +
+                       ": --single works for .pcd and .ply; range maps are always float");
   std::vector<fs::path> inputs = call.inputs;
   for (const CLI::Option* reference : call.references) {
     for (const std::string& file : reference->results()) inputs.emplace_back(file);
@@ -201,13 +215,17 @@ void cloud(const CLI::App& command, const Settings& settings, CloudCall& call) {
     if (step == call.steps.end()) continue;
     step->second(worked, option->results().at(done[option]++), call.settings);
   }
-  write_cloud(call, worked.cloud);
+  std::string camera;
+  if (is_range_map(call.output))
+    camera = "; " + write_as_range_map(call.output, worked.cloud, camera_of(call));
+  else
+    write_cloud(call, worked.cloud);
   const Description description = describe_cloud(worked.cloud);
   Json figures = {{"read", read}, {"steps", worked.steps}};
   figures.update(description.figures);
   figures["file"] = call.output.string();
   print(settings, figures,
-        worked.prose + description.prose + ", written to " + call.output.string());
+        worked.prose + description.prose + ", written to " + call.output.string() + camera);
 }
 
 }  // namespace
@@ -222,7 +240,9 @@ void add_cloud(CLI::App& app, const Settings& settings) {
           "Point file (.pcd, .ply), range map (TIFF), depth image (16-bit PNG) or mesh file "
           "(its vertices); the points of several files are joined")
       ->required();
-  command->add_option("-o,--output", call->output, "Point file to write (.pcd or .ply)")
+  command
+      ->add_option("-o,--output", call->output,
+                   "Point file (.pcd or .ply) or range map (.tiff) to write")
       ->required();
   add_camera_options(*command, call->settings.camera);
   add_unit_option(*command, call->settings.points);
@@ -257,11 +277,15 @@ void add_cloud(CLI::App& app, const Settings& settings) {
       "--voxel, --poisson, --normals, --from-mesh, --from-cloud, --plane, --sphere, --cylinder, "
       "--cluster, --keep, --remove. Each may be given several times. A PCD file of one range map "
       "stays organised, with NaN for removed points, unless --voxel or --poisson makes other "
-      "points; a range map's deviations (from decode --sigma) become the attribute sigma.\n\n"
+      "points; a range map's deviations (from decode --sigma) become the attribute sigma. An "
+      "organised cloud becomes a range map, in the folder of whose camera, rig.yaml, it is "
+      "written; "
+      "without --camera and such a file, the camera is found from the points.\n\n"
       "Examples:\n  palpate cloud range/000000.tiff -o points.pcd --color --single\n"
       "  palpate cloud scan.ply --outliers 3 --voxel 0.5 --normals 16 -o small.ply\n"
       "  palpate cloud range/000000.tiff --plane 0.5 --remove --cluster 3 --keep -o object.ply\n"
-      "  palpate cloud scan.pcd --from-mesh surface.ply -o errors.ply --json");
+      "  palpate cloud scan.pcd --from-mesh surface.ply -o errors.ply --json\n"
+      "  palpate cloud organised.pcd --unit m -o range/000000.tiff");
   command->callback([command, call, &settings] { cloud(*command, settings, *call); });
 }
 

@@ -92,6 +92,12 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
                          ": --near, --far, --crop, --mask and --remove-plane work for range maps "
                          "and depth images, not for meshes.");
     }
+    if (lower_extension(input) == ".pcd") {
+      throw InvalidInput(input.string() +
+                         ": holds points without a surface. If they are organised, a point per "
+                         "pixel, make a range map of them first: palpate cloud " +
+                         input.string() + " -o NAME.tiff");
+    }
     geometry::ReadOptions options = steps.meshes;
     options.keep_defects = steps.repair;
     if (steps.color || !steps.color_images.empty()) {

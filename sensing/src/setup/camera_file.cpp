@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <opencv2/core/persistence.hpp>
+#include <ostream>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,6 +16,7 @@
 
 #include "files/storage_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
 #include "setup/lens_entry.h"
 
 namespace palpate::sensing {
@@ -317,6 +320,14 @@ CameraFile read_camera_file(const std::filesystem::path& path) {
 
 geometry::Camera read_camera(const std::filesystem::path& path) {
   return read_camera_file(path).camera;
+}
+
+void write_camera(const std::filesystem::path& path, const geometry::Camera& camera) {
+  geometry::check_camera(camera, "write_camera");
+  cv::FileStorage storage(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  write_lens(storage, "camera", camera);
+  const std::string text = storage.releaseAndGetString();
+  write_file(path, [&](std::ostream& out) { out << text; });
 }
 
 CameraFile CameraFiles::read(const std::filesystem::path& path) {

@@ -55,4 +55,15 @@ geometry::Camera read_lens(const StorageFile& file, const std::string& name) {
   return camera;
 }
 
+void write_lens(cv::FileStorage& storage, const std::string& name, const geometry::Camera& camera) {
+  const cv::Mat matrix = (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx,  //
+                          0, camera.fy, camera.cy,                            //
+                          0, 0, 1);
+  cv::Mat_<double> distortion(1, static_cast<int>(camera.distortion.size()));
+  std::copy(camera.distortion.begin(), camera.distortion.end(), distortion.begin());
+  storage << name + "_size"
+          << "[:" << camera.width << camera.height << "]";
+  storage << name + "_matrix" << matrix << name + "_distortion" << distortion;
+}
+
 }  // namespace palpate::sensing

@@ -3,7 +3,6 @@
 #include "palpate/sensing/rig.h"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <ostream>
@@ -106,18 +105,6 @@ void check_covariance(const RigCovariance& covariance, const std::string& what) 
   }
 }
 
-void write_camera(cv::FileStorage& storage, const std::string& name,
-                  const geometry::Camera& camera) {
-  const cv::Mat matrix = (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx,  //
-                          0, camera.fy, camera.cy,                            //
-                          0, 0, 1);
-  cv::Mat_<double> distortion(1, static_cast<int>(camera.distortion.size()));
-  std::copy(camera.distortion.begin(), camera.distortion.end(), distortion.begin());
-  storage << name + "_size"
-          << "[:" << camera.width << camera.height << "]";
-  storage << name + "_matrix" << matrix << name + "_distortion" << distortion;
-}
-
 void write_chromatic(cv::FileStorage& storage, const char* name, const ChromaticShift& shift) {
   storage << name << "{"
           << "alpha" << shift.alpha << "beta" << shift.beta << "gamma" << shift.gamma << "}";
@@ -186,8 +173,8 @@ Rig read_rig(const std::filesystem::path& path) {
 void write_rig(const std::filesystem::path& path, const Rig& rig) {
   check_rig(rig, "write_rig(" + path.string() + ")");
   cv::FileStorage storage(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
-  write_camera(storage, "camera", rig.camera);
-  write_camera(storage, "projector", rig.projector);
+  write_lens(storage, "camera", rig.camera);
+  write_lens(storage, "projector", rig.projector);
   cv::Mat R;
   cv::Mat t;
   const Eigen::Matrix3d linear = rig.T_projector_camera.linear();

@@ -59,15 +59,51 @@ TEST(RangeMapOf, RefusesTheCloudOfAnotherCamera) {
   Camera other = map.camera;
   other.cx += 1;
   EXPECT_EQ(refusal([&] { return range_map_of(cloud, other); }),
-            "range_map_of: the point of column 0, row 0 is not where this pixel of the camera sees "
+            "the point of column 0, row 0 is not where this pixel of the camera sees "
             "it; is the cloud in the camera's frame, in mm, and not undistorted?");
   cloud.width = 48;
   cloud.height = 1;
   EXPECT_EQ(refusal([&] { return range_map_of(cloud, map.camera); }),
-            "range_map_of: the cloud is 48 x 1 points, but the camera is 8 x 6 px; an organised "
+            "the cloud is 48 x 1 points, but the camera is 8 x 6 px; an organised "
             "cloud has a point per pixel");
   EXPECT_EQ(refusal([&] { return organised_cloud(map, ImageF::Zero(2, 3)); }),
             "organised_cloud: sigma is 3 x 2 px, but the range map is 8 x 6 px");
+}
+
+TEST(FittedCamera, IsThatOfTheRangeMap) {
+  RangeMap map = small_map();
+  map.camera.distortion = {};
+  PointCloud cloud = organised_cloud(map);
+  cloud.points.col(9).z() = -1;  // behind the camera
+  const Camera camera = fitted_camera(cloud);
+  EXPECT_EQ(camera.width, 8);
+  EXPECT_EQ(camera.height, 6);
+  EXPECT_NEAR(camera.fx, map.camera.fx, 1e-12);
+  EXPECT_NEAR(camera.fy, map.camera.fy, 1e-12);
+  EXPECT_NEAR(camera.cx, map.camera.cx, 1e-12);
+  EXPECT_NEAR(camera.cy, map.camera.cy, 1e-12);
+  cloud.points *= 1e-3;  // whatever the unit
+  EXPECT_NEAR(fitted_camera(cloud).fx, map.camera.fx, 1e-12);
+}
+
+TEST(FittedCamera, RefusesWhatNoCameraSees) {
+  RangeMap map = small_map();
+  map.camera.distortion = {};
+  const PointCloud cloud = organised_cloud(map);
+  PointCloud other = cloud;
+  other.points.row(1) *= -1;
+  EXPECT_EQ(refusal([&] { return fitted_camera(other); }),
+            "the cloud is mirrored: Y points to lower rows; X has to point right, Y "
+            "down and Z away from the camera");
+  other = cloud;
+  other.points.rightCols(40).setConstant(kNaN);  // one row is left
+  EXPECT_EQ(refusal([&] { return fitted_camera(other); }),
+            "fewer than two columns or rows have points in front of the camera");
+  other = cloud;
+  other.width = 48;
+  other.height = 1;
+  EXPECT_EQ(refusal([&] { return fitted_camera(other); }),
+            "the cloud is 48 x 1 points; an organised cloud has a point per pixel");
 }
 
 }  // namespace

@@ -110,6 +110,29 @@ rectification_matrix:
   data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
 )";
 
+TEST(CameraFile, IsReadBackExactly) {
+  const ScratchFolder folder;
+  const Camera camera{.width = 640,
+                      .height = 480,
+                      .fx = 600.1,
+                      .fy = 1e3 / 3,
+                      .cx = 319.7,
+                      .cy = -12.25,
+                      .distortion = {0.1, -0.2, 1e-3, -2e-3, 0.3, 0, 0, 1e-17}};
+  write_camera(folder / "camera.yaml", camera);
+  const CameraFile read = read_camera_file(folder / "camera.yaml");
+  EXPECT_EQ(read.format, CameraFileFormat::palpate);
+  EXPECT_EQ(read.camera.width, camera.width);
+  EXPECT_EQ(read.camera.height, camera.height);
+  EXPECT_EQ(read.camera.fx, camera.fx);
+  EXPECT_EQ(read.camera.fy, camera.fy);
+  EXPECT_EQ(read.camera.cx, camera.cx);
+  EXPECT_EQ(read.camera.cy, camera.cy);
+  EXPECT_EQ(read.camera.distortion, camera.distortion);
+  EXPECT_THROW(write_camera(folder / "none.yaml", Camera{}), InvalidInput);
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.yaml"));
+}
+
 TEST(CameraFile, ReadsThePartsOfRealSenseIntrinsics) {
   const Camera camera = camera_of(kRealSense, CameraFileFormat::realsense);
   expect_pinhole(camera);

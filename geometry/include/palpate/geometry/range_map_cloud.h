@@ -21,4 +21,10 @@ namespace palpate::geometry {
 /// not where its pixel sees it, within half a pixel.
 [[nodiscard]] RangeMap range_map_of(const PointCloud& cloud, const Camera& camera);
 
+/// The camera without lens distortion that sees the points of an organised cloud at their pixels,
+/// in the least squares of pixels. `range_map_of` tells whether there is one.
+/// \throws InvalidInput if the cloud is not organised, if the points in front of the camera do not
+/// determine it, or if the cloud is mirrored: X points to lower columns, or Y to lower rows.
+[[nodiscard]] Camera fitted_camera(const PointCloud& cloud);
+
 }  // namespace palpate::geometry

@@ -58,6 +58,10 @@ struct CameraFile {
 /// The camera of `read_camera_file` alone.
 [[nodiscard]] geometry::Camera read_camera(const std::filesystem::path& path);
 
+/// Writes a camera in the format `palpate`, so that `read_camera` reads every number back exactly.
+/// \throws InvalidInput if the camera is not valid. \throws OutputError.
+void write_camera(const std::filesystem::path& path, const geometry::Camera& camera);
+
 /// Files of cameras, each of which is read once. Threads may use an object at the same time.
 class CameraFiles {
  public:

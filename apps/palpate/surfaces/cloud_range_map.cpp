@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "surfaces/cloud_range_map.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "palpate/core/error.h"
+#include "palpate/geometry/range_map_cloud.h"
+#include "palpate/sensing/camera_file.h"
+#include "palpate/sensing/frame.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// [px] Cameras whose pixels differ by less are the same: text formats round their numbers.
+constexpr double kSamePixels = 0.01;
+
+bool is_same(const geometry::Camera& a, const geometry::Camera& b) {
+  if (a.width != b.width || a.height != b.height) return false;
+  const Eigen::Array2Xd apart = (geometry::pixel_rays(a) - geometry::pixel_rays(b)).array().abs();
+  return apart.row(0).maxCoeff() * a.fx < kSamePixels &&
+         apart.row(1).maxCoeff() * a.fy < kSamePixels;
+}
+
+/// Known pixels have the colours of the cloud, others are black.
+cv::Mat picture_of(const geometry::PointCloud& cloud, const Eigen::Matrix4Xd& colors) {
+  cv::Mat picture = cv::Mat::zeros(static_cast<int>(cloud.height), static_cast<int>(cloud.width),
+                                   CV_8UC3);
+  for (Eigen::Index i = 0; i < colors.cols(); ++i) {
+    auto& pixel = picture.at<cv::Vec3b>(static_cast<int>(i / cloud.width),
+                                        static_cast<int>(i % cloud.width));
+    for (int k = 0; k < 3; ++k) {
+      const double value = 255 * colors(2 - k, i);  // blue first
+      if (value >= 0) pixel[k] = static_cast<unsigned char>(std::lround(value));
+    }
+  }
+  return picture;
+}
+
+}  // namespace
+
+std::string write_as_range_map(const fs::path& path, const geometry::PointCloud& cloud,
+                               const std::optional<geometry::Camera>& camera) {
+  if (cloud.height < 2) {
+    throw InvalidInput(
+        fmt::format("{}: only the points of one range map, or of one organised file, become a range "
+                    "map; these {} points have no rows and columns",
+                    path.string(), cloud.points.cols()));
+  }
+  const fs::path beside = path.parent_path() / "rig.yaml";
+  std::optional<geometry::Camera> seen_by = camera;
+  std::string words = fmt::format("the camera is in {}", beside.string());
+  const bool has_camera = is_there(beside);
+  if (has_camera) {
+    const geometry::Camera of_folder = sensing::read_camera(beside);
+    if (seen_by && !is_same(*seen_by, of_folder)) {
+      throw InvalidInput(fmt::format(
+          "{}: is of another camera than the points; write the range map into another folder",
+          beside.string()));
+    }
+    seen_by = of_folder;
+  }
+  geometry::RangeMap map;
+  try {
+    if (!seen_by) {
+      seen_by = geometry::fitted_camera(cloud);
+      words = fmt::format(
+          "the camera that fits the points, fx {:.2f}, fy {:.2f}, cx {:.2f}, cy {:.2f} px without "
+          "lens distortion, is in {}",
+          seen_by->fx, seen_by->fy, seen_by->cx, seen_by->cy, beside.string());
+    }
+    map = geometry::range_map_of(cloud, *seen_by);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: cannot be made: {}{}", path.string(), error.what(),
+                                   camera || has_camera ? "" : ". If its lens distorts, pass --camera"));
+  }
+  tell_doubts(path.string(), sensing::range_map_doubts(map));
+  geometry::write_depth_tiff(path, map.z);
+  if (const auto colors = geometry::colors(cloud.attributes))
+    sensing::write_png(path.parent_path() / (path.stem().string() + "_color.png"),
+                       picture_of(cloud, *colors));
+  if (!has_camera) sensing::write_camera(beside, *seen_by);
+  return words;
+}
+
+}  // namespace palpate::apps
