@@ -362,6 +362,39 @@ double tracking_error(const fs::path& tracked) {
   return errors[errors.size() / 2];
 }
 
+TEST_F(DepthCamera, FindsTheNoiseInStillFramesAndHalvesTheErrors) {
+  const std::vector<std::string> object = {"--far", "700", "--remove-plane", "3"};
+  const std::vector<std::string> still = {depth_image("00"), depth_image("01"), depth_image("02"),
+                                          depth_image("03")};
+  const auto rms_of = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> call =
+        with({"mesh", depth_image("00"), "-o", scratch / "mesh.ply"}, object);
+    call.insert(call.end(), more.begin(), more.end());
+    const json mesh = figures(call);
+    if (!more.empty()) {
+      // Made with 0.4 mm at 450 mm, growing with the square of the depth, and rounded to 1 mm.
+      const double depth = geometry::read_mesh(scratch / "mesh.ply").vertices.row(2).mean();
+      const double made = std::hypot(0.4 * std::pow(depth / 450, 2), 1 / std::sqrt(12));
+      EXPECT_NEAR(mesh["depth_noise"].get<double>(), made, 0.1 * made);
+    }
+    return figures({"compare", scratch / "mesh.ply", bundled("truth/000000.ply")})["rms"]
+        .get<double>();
+  };
+  std::vector<std::string> smooth = {"--smooth-depths", "--still"};
+  smooth.insert(smooth.end(), still.begin(), still.end());
+  EXPECT_LT(rms_of(smooth), 0.6 * rms_of({}));
+  const std::vector<std::string> call =
+      with({"mesh", depth_image("00"), "-o", scratch / "none.ply", "--smooth-depths"});
+  EXPECT_THAT(refused(call),
+              HasSubstr("pass depth images of a scene that does not move with --still"));
+  smooth.pop_back();
+  std::vector<std::string> few = with({"mesh", depth_image("00"), "-o", scratch / "none.ply"});
+  few.insert(few.end(), smooth.begin(), smooth.end());
+  EXPECT_THAT(refused(few),
+              HasSubstr("at least 4 frames of a scene that does not move; there are 3"));
+  EXPECT_FALSE(fs::exists(scratch / "none.ply"));
+}
+
 TEST_F(DepthCamera, TracksTheCushionByItsColours) {
   const auto tracked = figures(with(
       {"track", bundled("depth"), "--color-images", bundled("color"), "-o", scratch / "tracked"},

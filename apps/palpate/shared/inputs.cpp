@@ -94,27 +94,6 @@ std::vector<fs::path> range_maps_in(const fs::path& folder, const MapCamera& cam
 
 fs::path rig_beside(const fs::path& range_map) { return range_map.parent_path() / "rig.yaml"; }
 
-/// [mm] The length of one unit of a depth image, if it is known. Tells once that a recording
-/// implies it.
-std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& camera) {
-  if (camera.scale) return camera.scale;
-  const bool has_file = !camera.rig.empty() || is_there(rig_beside(depth_image));
-  if (camera.intrinsics.empty() && has_file) {
-    const fs::path file = rig_of(depth_image, camera.rig);
-    const std::optional<double> unit = camera.files->cameras.read(file).mm_per_unit;
-    if (unit) return unit;
-  }
-  if (!camera.files->recordings.find(depth_image)) return std::nullopt;
-  static std::once_flag told;
-  std::call_once(told, [&] {
-    spdlog::info(
-        "{}: is listed by a depth.txt, the layout of TUM RGB-D: one unit is {:g} mm; "
-        "--scale sets another.",
-        depth_image.string(), sensing::kRecordingUnit);
-  });
-  return sensing::kRecordingUnit;
-}
-
 geometry::Camera camera_of(const fs::path& depth_image, const MapCamera& camera) {
   if (camera.intrinsics.empty())
     return camera.files->cameras.read(rig_of(depth_image, camera.rig)).camera;
@@ -341,6 +320,25 @@ void check_camera_options(const fs::path& path, const MapCamera& camera) {
 
 fs::path mask_file(const fs::path& range_map, const fs::path& mask) {
   return is_folder(mask) ? mask / (range_map.stem().string() + ".png") : mask;
+}
+
+std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& camera) {
+  if (camera.scale) return camera.scale;
+  const bool has_file = !camera.rig.empty() || is_there(rig_beside(depth_image));
+  if (camera.intrinsics.empty() && has_file) {
+    const fs::path file = rig_of(depth_image, camera.rig);
+    const std::optional<double> unit = camera.files->cameras.read(file).mm_per_unit;
+    if (unit) return unit;
+  }
+  if (!camera.files->recordings.find(depth_image)) return std::nullopt;
+  static std::once_flag told;
+  std::call_once(told, [&] {
+    spdlog::info(
+        "{}: is listed by a depth.txt, the layout of TUM RGB-D: one unit is {:g} mm; "
+        "--scale sets another.",
+        depth_image.string(), sensing::kRecordingUnit);
+  });
+  return sensing::kRecordingUnit;
 }
 
 geometry::RangeMap load_range_map(const fs::path& path, const MapCamera& camera) {

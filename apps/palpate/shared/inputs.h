@@ -65,6 +65,11 @@ void check_camera_options(const std::filesystem::path& path, const MapCamera& ca
 [[nodiscard]] std::filesystem::path mask_file(const std::filesystem::path& range_map,
                                               const std::filesystem::path& mask);
 
+/// [mm] The length of one unit of a depth image, if it is known. Tells once that a recording
+/// implies it.
+[[nodiscard]] std::optional<double> unit_of(const std::filesystem::path& depth_image,
+                                            const MapCamera& camera);
+
 /// Reads a range map or a depth image, and tells what is unlikely about its camera and depths.
 /// Selects depths as the options say, and tells which of them leave out nothing.
 /// \throws FileError if it, its rig or its mask is missing or damaged.

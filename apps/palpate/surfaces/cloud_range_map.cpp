@@ -30,11 +30,11 @@ bool is_same(const geometry::Camera& a, const geometry::Camera& b) {
 
 /// Known pixels have the colours of the cloud, others are black.
 cv::Mat picture_of(const geometry::PointCloud& cloud, const Eigen::Matrix4Xd& colors) {
-  cv::Mat picture = cv::Mat::zeros(static_cast<int>(cloud.height), static_cast<int>(cloud.width),
-                                   CV_8UC3);
+  cv::Mat picture =
+      cv::Mat::zeros(static_cast<int>(cloud.height), static_cast<int>(cloud.width), CV_8UC3);
   for (Eigen::Index i = 0; i < colors.cols(); ++i) {
-    auto& pixel = picture.at<cv::Vec3b>(static_cast<int>(i / cloud.width),
-                                        static_cast<int>(i % cloud.width));
+    auto& pixel =
+        picture.at<cv::Vec3b>(static_cast<int>(i / cloud.width), static_cast<int>(i % cloud.width));
     for (int k = 0; k < 3; ++k) {
       const double value = 255 * colors(2 - k, i);  // blue first
       if (value >= 0) pixel[k] = static_cast<unsigned char>(std::lround(value));
@@ -48,10 +48,10 @@ cv::Mat picture_of(const geometry::PointCloud& cloud, const Eigen::Matrix4Xd& co
 std::string write_as_range_map(const fs::path& path, const geometry::PointCloud& cloud,
                                const std::optional<geometry::Camera>& camera) {
   if (cloud.height < 2) {
-    throw InvalidInput(
-        fmt::format("{}: only the points of one range map, or of one organised file, become a range "
-                    "map; these {} points have no rows and columns",
-                    path.string(), cloud.points.cols()));
+    throw InvalidInput(fmt::format(
+        "{}: only the points of one range map, or of one organised file, become a range "
+        "map; these {} points have no rows and columns",
+        path.string(), cloud.points.cols()));
   }
   const fs::path beside = path.parent_path() / "rig.yaml";
   std::optional<geometry::Camera> seen_by = camera;
@@ -77,8 +77,9 @@ std::string write_as_range_map(const fs::path& path, const geometry::PointCloud&
     }
     map = geometry::range_map_of(cloud, *seen_by);
   } catch (const InvalidInput& error) {
-    throw InvalidInput(fmt::format("{}: cannot be made: {}{}", path.string(), error.what(),
-                                   camera || has_camera ? "" : ". If its lens distorts, pass --camera"));
+    throw InvalidInput(
+        fmt::format("{}: cannot be made: {}{}", path.string(), error.what(),
+                    camera || has_camera ? "" : ". If its lens distorts, pass --camera"));
   }
   tell_doubts(path.string(), sensing::range_map_doubts(map));
   geometry::write_depth_tiff(path, map.z);

@@ -80,10 +80,15 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   add_camera_options(*command, call->steps.camera);
   add_selection_options(*command, call->steps.camera);
   add_unit_option(*command, call->steps.meshes);
-  command->add_flag(
+  CLI::Option* smooth_depths = command->add_flag(
       "--smooth-depths", call->steps.smooth_depths,
-      "Reduce the noise of the depths of a range map before meshing; no depth moves by "
-      "more than its predicted deviation (from decode --sigma)");
+      "Reduce the noise of depths before meshing; no depth moves by more than its standard "
+      "deviation, as decode --sigma predicts it for a range map, or from --still");
+  command
+      ->add_option("--still", call->still,
+                   "Depth images or range maps of a scene that does not move, by the same camera: "
+                   "a folder, or at least four files. They show the noise for --smooth-depths")
+      ->needs(smooth_depths);
   CLI::Option* color =
       command->add_flag("--color", call->steps.color,
                         "Colour the vertices (ply, obj) as the surface is in the picture that "
@@ -141,6 +146,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "  palpate mesh depth/ --scale 1 --camera camera.json --far 900 --remove-plane 5 -o meshes/");
   command->callback([call, command, format, &settings] {
     const fs::path& first = call->inputs.front();
+    if (!call->still.empty()) call->steps.noise = noise_in(call->still, call->steps.camera);
     if (call->inputs.size() > 1 || is_folder(first)) {
       mesh_sequence(settings, *command, *call);
     } else if (format->count() > 0) {

@@ -19,8 +19,9 @@ namespace palpate::apps {
 struct MeshCall {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path output, picture;
-  std::string format = "ply";  ///< of the meshes of a sequence
-  std::optional<Shard> shard;  ///< of a sequence
+  std::vector<std::filesystem::path> still;  ///< frames for `MeshSteps::noise`
+  std::string format = "ply";                ///< of the meshes of a sequence
+  std::optional<Shard> shard;                ///< of a sequence
   MeshSteps steps;
 };
 

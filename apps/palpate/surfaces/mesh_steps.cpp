@@ -16,6 +16,7 @@
 #include "palpate/geometry/attribute_transfer.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
+#include "palpate/geometry/median.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/range_map_mesh.h"
@@ -40,16 +41,29 @@ geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
   return load_range_map(input, steps.camera);
 }
 
-/// Uses the deviations that `decode --sigma` has written beside the range map: those of the noise,
-/// if the rig's part, which moves neighbours alike, is known apart.
-void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
+/// The deviations that `decode --sigma` has written beside the range map: those of the noise, if
+/// the rig's part, which moves neighbours alike, is known apart.
+geometry::ImageF deviations_beside(const fs::path& input) {
+  if (!is_range_map(input)) {
+    throw InvalidInput(input.string() +
+                       ": --smooth-depths needs the noise of the camera: pass depth images of a "
+                       "scene that does not move with --still");
+  }
   const fs::path file = noise_beside(input);
-  if (!is_range_map(input) || !is_there(file)) {
+  if (!is_there(file)) {
     throw FileError(file.string() +
                     ": missing. --smooth-depths needs the predicted deviations, which palpate "
-                    "decode --sigma writes beside the range map.");
+                    "decode --sigma writes beside the range map; or pass frames of a scene that "
+                    "does not move with --still.");
   }
-  map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
+  return geometry::read_depth_tiff(file);
+}
+
+void smooth_depths(const fs::path& input, const std::optional<geometry::DepthNoise>& noise,
+                   geometry::RangeMap& map) {
+  const geometry::ImageF sigma =
+      noise ? geometry::deviations(*noise, map.z) : deviations_beside(input);
+  map.z = geometry::smooth_range_map(map.z, sigma);
 }
 
 /// Of noisy or wrong depths, less than this share of the pixels is part of a surface.
@@ -107,13 +121,21 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     return from_file(geometry::read_mesh_file(input, options));
   }
   geometry::RangeMap map = load_map(input, steps);
-  if (steps.smooth_depths) smooth_depths(input, map);
+  if (steps.smooth_depths) smooth_depths(input, steps.noise, map);
   const auto known = (map.z == map.z).count();
   MadeMesh made;
   made.mesh = geometry::mesh_range_map(map).mesh;
   made.camera = map.camera;
   made.figures["pixels"] = known;
   made.prose = fmt::format("{} pixels with a depth\n", known);
+  if (steps.noise && known > 0) {
+    std::vector<double> deviations;
+    for (const float z : map.z.reshaped())
+      if (z > 0) deviations.push_back(steps.noise->deviation(z));
+    const double noise = geometry::median(std::move(deviations));
+    made.figures["depth_noise"] = noise;
+    made.prose += fmt::format("standard deviation of the depths {:.3g} mm (median)\n", noise);
+  }
   if (made.mesh.triangles.cols() == 0)
     throw InvalidInput(input.string() + ": no two neighbouring pixels have a depth.");
   if (static_cast<double>(made.mesh.vertices.cols()) < kLeastMeshed * static_cast<double>(known)) {
@@ -253,6 +275,21 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
 }
 
 }  // namespace
+
+geometry::DepthNoise noise_in(const std::vector<fs::path>& still, MapCamera camera) {
+  // Of the whole scene, also where only a part of it is meshed.
+  camera.selection = {};
+  camera.mask.clear();
+  const std::vector<fs::path> files = list_range_maps(still, camera);
+  std::vector<geometry::ImageF> frames;
+  for (const fs::path& file : files) frames.push_back(load_range_map(file, camera).z);
+  const double resolution = is_range_map(files.front()) ? 0 : *unit_of(files.front(), camera);
+  try {
+    return geometry::depth_noise(frames, resolution);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput("--still: " + still.front().string() + ": " + error.what());
+  }
+}
 
 MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   MadeMesh made = load(input, steps);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "palpate/geometry/decimation.h"
+#include "palpate/geometry/depth_noise.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/texture.h"
@@ -23,6 +24,8 @@ struct MeshSteps {
   MapCamera camera;              ///< for range maps and depth images
   geometry::ReadOptions meshes;  ///< for mesh files
   bool smooth_depths = false;
+  /// Of the depths, for `smooth_depths`; without it, that of the files beside range maps.
+  std::optional<geometry::DepthNoise> noise = {};
   bool color = false;  ///< of the vertices, from the NNNNNN_color.png beside the range map
   std::filesystem::path color_images = {};  ///< folder of pictures for the same; may be empty
   bool repair = false;
@@ -51,6 +54,11 @@ struct MadeMesh {
   nlohmann::ordered_json figures;
   std::string prose;
 };
+
+/// The noise of a camera, from range maps or depth images of a scene that does not move.
+/// \throws FileError, or InvalidInput as `geometry::depth_noise`.
+[[nodiscard]] geometry::DepthNoise noise_in(const std::vector<std::filesystem::path>& still,
+                                            MapCamera camera);
 
 /// Makes the mesh of a range map, a depth image or a mesh file.
 /// \throws FileError, InvalidInput, SolverError or Unavailable, as the steps do.
