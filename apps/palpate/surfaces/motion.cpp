@@ -5,19 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
-#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"
@@ -27,6 +24,7 @@
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
+#include "surfaces/motion_sequence.h"
 
 namespace palpate::apps {
 namespace {
@@ -46,18 +44,6 @@ struct MotionCall {
   double radius = 0;           // [mm]
 };
 
-/// A mesh of the sequence.
-struct MotionFrame {
-  fs::path file;
-  double time = 0;  // [s] or [frames], since the first one
-};
-
-/// The sequence, in the order of time.
-struct MotionSequence {
-  std::vector<MotionFrame> frames;
-  bool has_seconds = false;  // as the times; or frames
-};
-
 struct FrameFigures {
   std::string file = {};
   double time = 0;                                // [s], or frames without a rate
@@ -65,66 +51,6 @@ struct FrameFigures {
   double stretch_max = 0, stretch_min = 0;        // 99 % and 1 % of the vertices are between
   double area = 0;                                // of the surface, relative to the reference
 };
-
-// [frames] The whole number at the end of a name, such as that of 000012.ply. Decimals are none,
-// and neither are more than nine digits, which are a time in some unit.
-std::optional<double> frame_number(const fs::path& file) {
-  static const std::regex kNumber("(?:.*[^0-9])?([0-9]{1,9})"), kDecimals(".*[0-9][.][0-9]+");
-  const std::string name = file.stem().string();
-  std::smatch match;
-  if (std::regex_match(name, kDecimals) || !std::regex_match(name, match, kNumber))
-    return std::nullopt;
-  return parse_number<double>(match.str(1));
-}
-
-// [s] The time that a name is, such as that of 1305031102.160407.ply, a frame of TUM RGB-D.
-std::optional<double> time_stamp(const fs::path& file) {
-  static const std::regex kTime("[0-9]+[.][0-9]+");
-  const std::string name = file.stem().string();
-  return std::regex_match(name, kTime) ? parse_number<double>(name) : std::nullopt;
-}
-
-/// The files with their times; none unless all have one.
-template <typename TimeOf>
-std::vector<MotionFrame> with_times(const std::vector<fs::path>& files, const TimeOf& time_of) {
-  std::vector<MotionFrame> frames;
-  for (const fs::path& file : files) {
-    const std::optional<double> time = time_of(file);
-    if (!time) return {};
-    frames.push_back({file, *time});
-  }
-  return frames;
-}
-
-/// Whether the times of some frames increase from each to the next.
-bool advances(const std::vector<MotionFrame>& frames) {
-  return !frames.empty() && std::ranges::adjacent_find(frames, std::greater_equal<>(),
-                                                       &MotionFrame::time) == frames.end();
-}
-
-MotionSequence since_first(std::vector<MotionFrame> frames, bool has_seconds) {
-  const double first = frames.front().time;
-  for (MotionFrame& frame : frames) frame.time -= first;
-  return {.frames = std::move(frames), .has_seconds = has_seconds};
-}
-
-/// The meshes of a folder. Their names are times, or end with the numbers of frames, so that lost
-/// frames leave gaps; otherwise the meshes are counted in the order of their names.
-MotionSequence sequence_of(const fs::path& folder) {
-  const std::vector<fs::path> files = list_meshes(folder);
-  if (files.empty()) {
-    throw FileError(folder.string() + ": has no meshes; give a folder as palpate track writes it");
-  }
-  std::vector<MotionFrame> timed = with_times(files, time_stamp);
-  std::ranges::sort(timed, {}, &MotionFrame::time);
-  if (advances(timed)) return since_first(std::move(timed), true);
-  std::vector<MotionFrame> numbered = with_times(files, frame_number);
-  if (advances(numbered)) return since_first(std::move(numbered), false);
-  MotionSequence sequence;
-  for (const fs::path& file : files)
-    sequence.frames.push_back({file, static_cast<double>(sequence.frames.size())});
-  return sequence;
-}
 
 // Of the values that are known.
 double quantile(const Eigen::VectorXd& values, double share) {
@@ -135,17 +61,6 @@ double quantile(const Eigen::VectorXd& values, double share) {
   const auto at = known.begin() + std::lround(share * static_cast<double>(known.size() - 1));
   std::ranges::nth_element(known, at);
   return *at;
-}
-
-geometry::MeshFile read_frame(const fs::path& file, const geometry::TriangleMesh& reference) {
-  geometry::MeshFile frame = geometry::read_mesh_file(file);
-  if (frame.mesh.triangles != reference.triangles ||
-      frame.mesh.vertices.cols() != reference.vertices.cols()) {
-    throw FileError(file.string() +
-                    ": has other triangles than the reference; all meshes must have the same "
-                    "triangles and the same order of vertices, as palpate track writes them");
-  }
-  return frame;
 }
 
 void add(geometry::Attributes& attributes, const std::string& name, const auto& values) {
@@ -219,12 +134,12 @@ std::string series_of(const std::vector<FrameFigures>& frames) {
   return Json{{"file-series-version", "1.0"}, {"files", files}}.dump(2) + "\n";
 }
 
+/// \param rate [1/s] of the times of frames
 std::vector<FrameFigures> write_frames(const MotionCall& call, const MotionSequence& sequence,
+                                       const std::optional<double>& rate,
                                        const geometry::TriangleMesh& reference,
                                        const fs::path& folder) {
   const std::vector<MotionFrame>& frames = sequence.frames;
-  // [1/s] of the times of frames
-  const std::optional<double> rate = sequence.has_seconds ? 1.0 : call.rate;
   std::vector<FrameFigures> figures;
   Progress progress("measuring motion");
   std::vector<geometry::MeshFile> near;  // the frame, with those beside it
@@ -232,7 +147,7 @@ std::vector<FrameFigures> write_frames(const MotionCall& call, const MotionSeque
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const std::size_t begin = i > 0 ? i - 1 : 0, end = std::min(i + 2, frames.size());
     while (first + near.size() < end)
-      near.push_back(read_frame(frames[first + near.size()].file, reference));
+      near.push_back(read_motion_frame(frames[first + near.size()].file, reference));
     if (first < begin) {
       near.erase(near.begin());
       ++first;
@@ -275,21 +190,16 @@ void motion(const Settings& settings, const MotionCall& call) {
                        ": is a file; give a folder of meshes, as palpate track writes it");
   }
   check_output_folder({call.input, call.reference}, call.output);
-  const MotionSequence sequence = sequence_of(call.input);
-  const fs::path& first = sequence.frames.front().file;
-  if (sequence.has_seconds && call.rate) {
-    throw InvalidInput(first.string() +
-                       ": the names of the meshes are times in seconds, which give the velocities; "
-                       "leave out --rate");
-  }
+  const MotionSequence sequence = motion_sequence(call.input);
+  const std::optional<double> rate = frame_rate(sequence, call.rate);
   std::vector<fs::path> entries{kSeries};
   for (const MotionFrame& frame : sequence.frames) entries.push_back(mesh_name(call, frame));
   check_replaceable(call.output, entries);
-  const fs::path file = call.reference.empty() ? first : call.reference;
+  const fs::path file = call.reference.empty() ? sequence.frames.front().file : call.reference;
   const geometry::TriangleMesh reference = geometry::read_mesh(file);
   std::vector<FrameFigures> figures;
   write_folder(call.output, entries, [&](const fs::path& folder) {
-    figures = write_frames(call, sequence, reference, folder);
+    figures = write_frames(call, sequence, rate, reference, folder);
   });
   Json per_frame = Json::array();
   for (const FrameFigures& of : figures) per_frame.push_back(to_json(of));
