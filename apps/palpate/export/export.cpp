@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "export/animation.h"
 #include "export/export_page.h"
 #include "export/material_files.h"
 #include "palpate/core/error.h"
@@ -30,7 +32,8 @@ struct ExportCall {
   PageCall page;       ///< its input and output are those of all formats
   bool color = false;  ///< of a range map
   bool ply = false, obj = false, vtk = false, glb = false, json = false, cbor = false, html = false;
-  std::string material;  ///< a simulator
+  std::string material;        ///< a simulator
+  std::optional<double> rate;  ///< [Hz] of an animation
 };
 
 std::string ending_of(const ExportCall& call) {
@@ -64,9 +67,10 @@ geometry::MeshFile surface_of(const PageCall& call, PageContent content, bool co
   if (content == PageContent::model) {
     file.mesh = haptics::read_model(call.input).surface;
   } else if (is_folder(call.input)) {
-    throw InvalidInput(call.input.string() +
-                       ": is a folder of several; give one of its files. palpate decode --meshes "
-                       "and palpate track write a mesh a frame.");
+    throw InvalidInput(
+        call.input.string() +
+        ": is a folder of several; give one of its files. --glb makes an animation of "
+        "meshes with the same triangles, as palpate track writes them.");
   } else if (content == PageContent::meshes) {
     file = geometry::read_mesh_file(call.input, call.meshes);
     file.material_files = seen_from(call.output, call.input, std::move(file.material_files));
@@ -77,22 +81,37 @@ geometry::MeshFile surface_of(const PageCall& call, PageContent content, bool co
   return file;
 }
 
-void write_without_page(const ExportCall& call, PageContent content) {
-  check_surface_options(call.page, content);
+/// \returns what was written, in words; empty unless it is an animation.
+std::string write_without_page(const ExportCall& call, PageContent content) {
+  const bool is_animation =
+      call.glb && content == PageContent::meshes && is_folder(call.page.input);
+  check_surface_options(call.page, content, is_animation);
   if (call.color && content != PageContent::range_maps) {
     throw InvalidInput(call.page.input.string() +
                        ": --color works for range maps; meshes keep the colours that they have.");
   }
-  if (call.json || call.cbor) return write_document(call, content);
-  geometry::write_mesh_file(call.page.output, surface_of(call.page, content, call.color));
+  if (call.rate && !is_animation)
+    throw InvalidInput("--rate: is for a folder of meshes that becomes an animation (--glb).");
+  if (is_animation) {
+    return write_animation({.folder = call.page.input,
+                            .output = call.page.output,
+                            .rate = call.rate,
+                            .every = call.page.every.value_or(1),
+                            .meshes = call.page.meshes});
+  }
+  if (call.json || call.cbor) {
+    write_document(call, content);
+  } else {
+    geometry::write_mesh_file(call.page.output, surface_of(call.page, content, call.color));
+  }
+  return {};
 }
 
 void export_material(const Settings& settings, ExportCall call) {
-  if (call.color || call.page.every || !call.page.title.empty())
+  if (call.color || call.page.every || call.rate || !call.page.title.empty())
     throw InvalidInput(
-        "palpate export: --color, --every and --title are for surfaces and pages; --material "
-        "writes "
-        "a solid");
+        "palpate export: --color, --every, --rate and --title are for surfaces and pages; "
+        "--material writes a solid");
   const std::string ending = simulator_ending(call.material);
   fs::path& output = call.page.output;
   if (output.empty()) output = "solid" + ending;
@@ -112,7 +131,7 @@ void export_as(const Settings& settings, ExportCall call) {
   if (call.html) {
     written = export_page(call.page, content);
   } else {
-    write_without_page(call, content);
+    written = write_without_page(call, content);
   }
   print(settings, {{"file", output.string()}},
         "Written to " + output.string() + (written.empty() ? "" : ": " + written));
@@ -127,15 +146,20 @@ void add_export(CLI::App& app, const Settings& settings) {
       "export",
       "Export a model, a mesh, a range map or a solid for other programs, or as a web page");
   command
-      ->add_option("INPUT", page.input,
-                   "Model folder, range map, depth image or mesh; with --html also a folder of "
-                   "range maps, depth images or meshes; with --material a specimen file")
+      ->add_option(
+          "INPUT", page.input,
+          "Model folder, range map, depth image or mesh; with --html also a folder of "
+          "range maps, depth images or meshes; with --glb also a folder of meshes with the "
+          "same triangles; with --material a specimen file")
       ->required();
   CLI::Option_group* format = command->add_option_group("format", "What to write");
   format->add_flag("--ply", call->ply, "The surface (of a model: undeformed) as PLY");
   format->add_flag("--obj", call->obj, "The surface as OBJ");
   format->add_flag("--vtk", call->vtk, "The surface as VTK, for ParaView");
-  format->add_flag("--glb", call->glb, "The surface as binary glTF, in metres, for engines");
+  format->add_flag(
+      "--glb", call->glb,
+      "The surface as binary glTF, in metres, for engines; of a folder of meshes, as palpate "
+      "track writes them, one animated surface");
   format->add_flag("--json", call->json,
                    "Contacts, fields and friction of a model as one JSON document");
   format->add_flag("--cbor", call->cbor, "The same document in CBOR");
@@ -163,9 +187,15 @@ void add_export(CLI::App& app, const Settings& settings) {
   command
       ->add_option(
           "--every", page.every,
-          "Page of a folder of range maps or meshes: take only every Nth frame, for sequences "
-          "that are too long for a page")
+          "Page of a folder of range maps or meshes, or animation: take only every Nth frame, for "
+          "sequences that are too long")
       ->check(within(at_least(1).at_most(kMostEvery)));
+  command
+      ->add_option("--rate", call->rate,
+                   "Animation (--glb): frames per second; frames are numbered by their names "
+                   "(default: 5). Names that are times in seconds need none [Hz]")
+      ->check(within(above(0).finite()))
+      ->excludes("--html");
   command->add_option("--title", page.title, "Title of the page (default: name of the input)");
   command->add_option(
       "-o,--output", page.output,
@@ -178,6 +208,7 @@ void add_export(CLI::App& app, const Settings& settings) {
       "Examples:\n  palpate export model/ --obj -o model.obj\n"
       "  palpate export surface.ply --glb -o surface.glb\n"
       "  palpate export range/000000.tiff --color --glb -o frame.glb\n"
+      "  palpate export tracked/ --rate 30 --glb -o motion.glb\n"
       "  palpate export model/ --html -o model.html\n"
       "  palpate export range/ --html -o range.html\n"
       "  palpate export depth/ --html --scale 1 --intrinsics 600,600,320,240 --every 5 -o "

@@ -28,7 +28,8 @@ struct PageOption {
   const char* name;
   bool given;
   std::vector<PageContent> contents;
-  bool of_surfaces = false;  ///< also of an export without a page
+  bool of_surfaces = false;    ///< also of an export without a page
+  bool of_animations = false;  ///< also of an animation
 };
 
 std::vector<PageOption> options_of(const PageCall& call) {
@@ -38,8 +39,8 @@ std::vector<PageOption> options_of(const PageCall& call) {
           {"--rig", !call.camera.rig.empty(), {range_maps}, true},
           {"--scale", call.camera.scale.has_value(), {range_maps}, true},
           {"--intrinsics", !call.camera.intrinsics.empty(), {range_maps}, true},
-          {"--every", call.every.has_value(), {range_maps, meshes}},
-          {"--unit", call.meshes.unit.has_value(), {meshes}, true}};
+          {"--every", call.every.has_value(), {range_maps, meshes}, false, true},
+          {"--unit", call.meshes.unit.has_value(), {meshes}, true, true}};
 }
 
 const char* plural_of(PageContent content) {
@@ -121,11 +122,13 @@ std::vector<fs::path> page_frames(const PageCall& call, PageContent content) {
 
 }  // namespace
 
-void check_surface_options(const PageCall& call, PageContent content) {
+void check_surface_options(const PageCall& call, PageContent content, bool is_animation) {
   for (const PageOption& option : options_of(call)) {
     if (!option.given) continue;
-    if (!option.of_surfaces)
-      throw InvalidInput(std::string(option.name) + ": is that of a page (--html)");
+    if (!(is_animation ? option.of_animations : option.of_surfaces)) {
+      throw InvalidInput(std::string(option.name) + ": is that of a page (--html)" +
+                         (option.of_animations ? " or of a folder of meshes as --glb" : ""));
+    }
     check_options(call, content);
   }
 }

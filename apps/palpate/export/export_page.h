@@ -11,7 +11,7 @@
 
 namespace palpate::apps {
 
-/// The options of `palpate export --html`.
+/// The options of `palpate export --html`; other formats take some of them.
 struct PageCall {
   std::filesystem::path input, output;
   std::string title;
@@ -29,8 +29,9 @@ enum class PageContent { model, range_maps, meshes };
 [[nodiscard]] PageContent content_of(const std::filesystem::path& path);
 
 /// Checks the options of a call that asks for no page.
+/// \param is_animation whether it asks for that of a folder.
 /// \throws InvalidInput naming one that is for pages alone, or not for this content.
-void check_surface_options(const PageCall& call, PageContent content);
+void check_surface_options(const PageCall& call, PageContent content, bool is_animation);
 
 /// model.html, range.html or mesh.html.
 [[nodiscard]] std::filesystem::path usual_name(PageContent content);

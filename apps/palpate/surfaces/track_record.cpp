@@ -101,6 +101,20 @@ std::vector<fs::path> tracked_files(const fs::path& folder) {
   return files;
 }
 
+std::vector<std::string> lost_frames(const fs::path& folder) {
+  const fs::path record = folder / kTrackFile;
+  std::vector<std::string> lost;
+  if (read_head(record).is_null()) return lost;
+  try {
+    for (const Json& item : read_run_record(record, kTrackRemedy).items)
+      if (item.contains("lost")) lost.push_back(item.at("range_map"));
+  } catch (const Json::exception& error) {
+    throw FileError(fmt::format("{}: this is not a record of palpate track ({}).", record.string(),
+                                error.what()));
+  }
+  return lost;
+}
+
 Json to_json(const TrackedFrame& frame) {
   Json json = {{"range_map", frame.range_map}, {"fingerprint", frame.fingerprint}};
   if (!frame.lost.empty()) {

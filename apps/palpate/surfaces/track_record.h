@@ -31,6 +31,11 @@ struct TrackedFrame {
 /// is to be written.
 [[nodiscard]] std::vector<std::filesystem::path> tracked_files(const std::filesystem::path& folder);
 
+/// The range maps of a folder that `palpate track` wrote in which the surface was lost; none if the
+/// folder has no record, as that of another command.
+/// \throws FileError if the record cannot be read.
+[[nodiscard]] std::vector<std::string> lost_frames(const std::filesystem::path& folder);
+
 /// Records in `track.jsonl`, beside the meshes, which frames are finished, for --resume.
 class TrackRecord {
  public:
