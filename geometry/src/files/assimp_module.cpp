@@ -11,12 +11,14 @@
 #include <cstdint>
 #include <memory>
 #include <ostream>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "files/assimp_files.h"
+#include "files/gltf_colors.h"
 #include "palpate/core/error.h"
 
 namespace palpate::geometry {
@@ -99,6 +101,10 @@ PolygonMesh read(const fs::path& path, std::string_view content, const std::stri
     throw FileError(path.string() + ": is damaged or truncated: " + importer.GetErrorString());
   Scene scene;
   append_node(*whole, *whole->mRootNode, aiMatrix4x4(), scene);
+  if (ending == ".glb" || ending == ".gltf") {
+    for (std::vector<float>& channel : scene.colors | std::views::take(3))
+      for (float& value : channel) value = static_cast<float>(srgb_value(value));
+  }
   take_columns<3>({"nx", "ny", "nz"}, scene.normals, scene.mesh);
   take_columns<4>({"red", "green", "blue", "alpha"}, scene.colors, scene.mesh);
   return std::move(scene.mesh);
@@ -127,7 +133,8 @@ std::unique_ptr<aiMesh> mesh_of(const GlbMesh& file) {
   if (const auto& color = file.colors) {
     part->mColors[0] = new aiColor4D[part->mNumVertices];
     for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
-      const Eigen::Vector4f rgba = color->col(v).cast<float>();
+      Eigen::Vector4f rgba = color->col(v).cast<float>();
+      rgba.head<3>() = color->col(v).head<3>().unaryExpr(&linear_intensity).cast<float>();
       part->mColors[0][v] = {rgba[0], rgba[1], rgba[2], rgba[3]};
     }
   }

@@ -52,7 +52,8 @@ void write_obj(std::ostream& stream, const MeshFile& file);
 /// the triangles (zero for zero area). Precondition: binary coordinates are in the range of float.
 void write_stl(std::ostream& stream, const TriangleMesh& mesh, Encoding encoding);
 
-/// Writes binary glTF: one part, in metres and float, with normals and colours if there are any.
+/// Writes binary glTF: one part, in metres and float, with normals and colours (linear in the
+/// light, as the format demands) if there are any.
 /// \throws OutputError naming `what` if assimp cannot.
 void write_glb(std::ostream& stream, const MeshFile& file, const char* what);
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "files/gltf_colors.h"
 #include "files/scalar_type.h"
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
@@ -175,8 +176,11 @@ void put_blocks(std::ostream& stream, const MeshAnimation& animation) {
   const TriangleMesh& mesh = animation.first.mesh;
   put_block(stream, in_metres(mesh.vertices));
   put_block(stream, mesh.triangles);
-  if (const auto colors = color_bytes(animation.first.vertex_attributes))
-    put_block(stream, Eigen::Matrix4Xf(colors->cast<float>() / 255));
+  if (const auto colors = color_bytes(animation.first.vertex_attributes)) {
+    Eigen::Matrix4Xd linear = colors->cast<double>() / 255;
+    linear.topRows<3>() = linear.topRows<3>().unaryExpr(&linear_intensity).eval();
+    put_block(stream, Eigen::Matrix4Xf(linear.cast<float>()));
+  }
   for (const Eigen::Matrix3Xf& displacement : animation.displacements)
     put_block(stream, in_metres(displacement));
   for (const double time : animation.times) put_little(stream, static_cast<float>(time));

@@ -63,6 +63,29 @@ TEST(Glb, ComesBackWithinTheRoundingOfFloats) {
             1e-6);
 }
 
+// The middle grey of screens, 128 of 255, is 21.6 % of the light (IEC 61966-2-1).
+TEST(Glb, HasColoursThatAreLinearInTheLight) {
+  const ScratchFolder folder;
+  MeshFile file;
+  file.mesh = test::icosphere(0, 30);
+  set_colors(file.vertex_attributes, Eigen::Matrix3Xd::Constant(3, 12, 128.0 / 255));
+  write_mesh_file(folder / "grey.glb", file);
+  const std::string bytes = read_text(folder / "grey.glb");
+  std::uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + 12, sizeof(length));
+  const auto document = nlohmann::json::parse(bytes.substr(20, length));
+  const auto& accessor = document.at("accessors")
+                             .at(document.at("meshes")[0]["primitives"][0]["attributes"]["COLOR_0"]
+                                     .get<std::size_t>());
+  const auto& view = document.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
+  float rgba[4];
+  std::memcpy(rgba, bytes.data() + 20 + length + 8 + view.value("byteOffset", std::size_t{0}),
+              sizeof(rgba));
+  EXPECT_NEAR(rgba[0], 0.2158, 1e-3);  // of 128 / 255
+  EXPECT_EQ(rgba[0], rgba[2]);
+  EXPECT_EQ(rgba[3], 1);
+}
+
 TEST(Glb, LengthsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
   const ScratchFolder folder;
   write_mesh_file(folder / "sphere.glb", colored_sphere());

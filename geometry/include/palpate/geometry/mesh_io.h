@@ -83,7 +83,8 @@ struct WriteOptions {
 /// - glTF and other formats of assimp: read in float. The parts of a scene are combined at their
 ///   positions, with normals and colours if all parts have them. If no two triangles share a
 ///   vertex, exactly equal corners are joined and lose normals and colours. Assimp may repair some
-///   damage without a message.
+///   damage without a message. Colours of glTF are linear in the light; they become those of sRGB,
+///   as other formats have them, and linear again when written.
 /// Formats of our own (all but glTF and others of assimp) take at most 64 times the size of the
 /// file as memory. What glTF announces is held against the limit of `memory_limit.h`. What else
 /// assimp reads is not limited: how much a compressed file holds (FBX, 3MF, X, BLEND, ZGL) only
