@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 // Share of the squared forces that a model of the same object explains at least.
 constexpr double kSameForces = 0.5;
 // Forces that are this many times as large, or as small, seem to have another unit.
-constexpr double kOtherUnit = 3;
+constexpr double kOtherForceUnit = 3;
 
 struct EvaluateCall {
   fs::path model, queries, acquisition, picture;
@@ -122,7 +122,7 @@ haptics::QueryErrors compare_with_queries(const haptics::Model& model, const Eva
 /// Warns of queries that seem to have other signs, units or columns.
 void tell_odd_queries(const haptics::QueryErrors& errors, const fs::path& queries, Json& warnings) {
   const double scale = errors.scale.value_or(1), size = std::abs(scale);
-  const bool is_scaled = scale < 0 || size > kOtherUnit || size < 1 / kOtherUnit;
+  const bool is_scaled = scale < 0 || size > kOtherForceUnit || size < 1 / kOtherForceUnit;
   if (is_scaled && errors.explained_if_scaled.value_or(0) > kSameForces) {
     warn(
         warnings, "queries_scaled",

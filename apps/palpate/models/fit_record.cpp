@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kFitRecord = "fits of palpate fit";
 // Of the record; raised when the members of a line change. A record without one is older than 2.
-constexpr int kVersion = 3;
+constexpr int kFitRecordVersion = 3;
 
 /// What a run without --resume would do, for messages.
 constexpr const char* kAnew = "Leave out --resume to fit all contacts again";
@@ -147,7 +147,7 @@ FitRecord::FitRecord(fs::path file, Json settings)
     : file_(std::move(file)), settings_(std::move(settings)) {}
 
 void FitRecord::check_same(const Json& head) const {
-  if (head.at("kind") == kFitRecord && head.value("version", 0) != kVersion) {
+  if (head.at("kind") == kFitRecord && head.value("version", 0) != kFitRecordVersion) {
     throw InvalidInput(fmt::format(
         "{}: was written by another version of palpate, whose record this version cannot read. {}.",
         file_.string(), kAnew));
@@ -186,8 +186,9 @@ void FitRecord::add(long long contact, const haptics::FitResult& fit) {
     return Json{{"contact", id}, {"fit", to_json(result)}};
   };
   if (!writer_) {
-    RunRecord record{.head = {{"kind", kFitRecord}, {"version", kVersion}, {"settings", settings_}},
-                     .items = {}};
+    RunRecord record{
+        .head = {{"kind", kFitRecord}, {"version", kFitRecordVersion}, {"settings", settings_}},
+        .items = {}};
     for (const auto& [id, earlier] : fits_) record.items.push_back(item(id, earlier));
     writer_.emplace(file_, record);
   }

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kNamed = 50;  // largest number of contacts named per reason
+constexpr std::size_t kNamedContacts = 50;  // largest number of contacts named per reason
 
 /// Reports the contacts without friction of their own, one line per reason.
 void tell_friction(const haptics::BuildResult& built) {
@@ -221,7 +221,7 @@ Json offsets_in_figures(const haptics::PressingOffsets& offsets) {
 }
 
 std::string contacts_in_words(const std::vector<long long>& contacts) {
-  const std::span first(contacts.data(), std::min(contacts.size(), kNamed));
+  const std::span first(contacts.data(), std::min(contacts.size(), kNamedContacts));
   return fmt::format("{}{}", fmt::join(first, ", "), first.size() < contacts.size() ? ", ..." : "");
 }
 

@@ -169,7 +169,7 @@ Json provenance(const IdentifyCall& call, const haptics::IdentifiedSolid& found,
           {"palpate", PALPATE_VERSION}};
 }
 
-std::string describe_mesh(const haptics::IdentifiedSolid& found) {
+std::string mesh_errors_in_words(const haptics::IdentifiedSolid& found) {
   std::vector<std::string> errors;
   for (std::size_t k = 0; k < found.mesh_errors.size(); ++k) {
     const haptics::ParameterEstimate& parameter = found.report.parameters[k];
@@ -233,7 +233,7 @@ void identify_solid(const Settings& settings, const IdentifyCall& call,
     write_file(*call.card, [&](std::ostream& out) { out << card.dump(2) << "\n"; });
     figures["file"] = call.card->string();
   }
-  report(settings, call, found.report, figures, warnings, describe_mesh(found));
+  report(settings, call, found.report, figures, warnings, mesh_errors_in_words(found));
 }
 
 void identify(const Settings& settings, IdentifyCall call) {

@@ -102,8 +102,8 @@ std::string prose_of(const DeviceCall& call, const haptics::RunReport& report) {
       call.session.empty() ? "" : "\nRecorded in " + call.session.string());
 }
 
-void warn(const DeviceCall& call, const haptics::RunReport& report,
-          const probing::ArmDescription& device) {
+void warn_of_run(const DeviceCall& call, const haptics::RunReport& report,
+                 const probing::ArmDescription& device) {
   if (!report.not_real_time.empty()) {
     spdlog::warn(
         "no real-time scheduling (SCHED_FIFO): {}; the loop runs with ordinary priority and may be "
@@ -151,7 +151,7 @@ void run_loop(const Settings& settings, const DeviceCall& call,
   const haptics::RunReport report = run->finish();
   const PlayJson figures = figures_of(call, report);
   if (!call.trace.empty()) played.write_trace(haptics::read_loop_record(call.session), figures);
-  warn(call, report, device.arm->description());
+  warn_of_run(call, report, device.arm->description());
   if (!report.device_lost.empty()) {
     throw DeviceError(fmt::format("{}: the device is lost after {} ticks: {}", call.device,
                                   report.time.ticks, report.device_lost));

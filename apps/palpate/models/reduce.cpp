@@ -70,7 +70,7 @@ Json figures_of(const haptics::ReducedModel& reduced, std::size_t contacts) {
           {"bytes_before", std::llround(reduced.size_before)}};
 }
 
-std::string in_words(const haptics::ReducedModel& reduced, std::size_t contacts) {
+std::string reduction_in_words(const haptics::ReducedModel& reduced, std::size_t contacts) {
   std::string stated;
   if (reduced.stated_before && reduced.stated_after) {
     stated = fmt::format("\nThe model stated an error of {} there; the reduced one states {}.",
@@ -121,7 +121,7 @@ void reduce(const Settings& settings, const ReduceCall& call) {
   Json figures = figures_of(reduced, model.contacts.size());
   figures["file"] = call.output.string();
   print(settings, figures,
-        fmt::format("{}\nWritten to {}", in_words(reduced, model.contacts.size()),
+        fmt::format("{}\nWritten to {}", reduction_in_words(reduced, model.contacts.size()),
                     call.output.string()));
 }
 

@@ -87,15 +87,6 @@ std::set<std::size_t> shown_contacts(const haptics::Model& model) {
 
 }  // namespace
 
-std::vector<std::size_t> contacts_by_error(const haptics::Model& model) {
-  std::vector<std::size_t> order(model.contacts.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return model.contacts[a].rms < model.contacts[b].rms;
-  });
-  return order;
-}
-
 void add_summary(ReportPage& page, const CampaignReport& input) {
   const probing::CampaignProgress at = input.campaign.progress();
   const probing::ContactPlan& plan = input.campaign.plan();

@@ -34,9 +34,6 @@ struct CampaignReport {
   std::optional<ArmSession> session;             ///< none without a record
 };
 
-/// Contacts by the errors of their fields.
-[[nodiscard]] std::vector<std::size_t> contacts_by_error(const haptics::Model& model);
-
 /// The parts of its page, one heading each; their pictures go into the folder.
 void add_summary(ReportPage& page, const CampaignReport& input);
 void add_time_line(ReportPage& page, const std::filesystem::path& folder,

@@ -17,6 +17,7 @@
 #include "probing/probe.h"
 #include "probing/probe_campaign.h"
 #include "shared/call_checks.h"
+#include "shared/model_pictures.h"
 #include "shared/output_checks.h"
 
 namespace palpate::apps {
@@ -67,11 +68,6 @@ void report(const Settings& settings, const ReportCall& call) {
       number_or_null(input.left_out ? std::optional(input.left_out->rms) : std::nullopt);
   figures["output"] = call.output.string();
   print(settings, figures, "written to " + (call.output / "index.html").string());
-}
-
-/// The contact whose field fits as the median.
-std::size_t median_contact(const haptics::Model& model) {
-  return contacts_by_error(model)[model.contacts.size() / 2];
 }
 
 }  // namespace

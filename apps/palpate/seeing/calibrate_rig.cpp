@@ -182,7 +182,7 @@ void calibrate_rig(const Settings& settings, const RigCall& call) {
   report(settings, call, calibration);
 }
 
-void run_call(const Settings& settings, RigCall call) {
+void run_calibrate_rig(const Settings& settings, RigCall call) {
   call.board.parse();
   if (!call.draw_board.empty()) {
     if (call.board.text.empty() || !(call.board.printed.square > 0))
@@ -240,7 +240,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
       "  palpate calibrate rig --draw show/ --projector-size 1024x768\n"
       "  palpate calibrate rig poses/ --board 7x9 --square 25 --projector-size 1024x768 -o "
       "rig.yaml --picture residuals.png");
-  rig->callback([call, &settings] { run_call(settings, *call); });
+  rig->callback([call, &settings] { run_calibrate_rig(settings, *call); });
 }
 
 }  // namespace palpate::apps

@@ -176,7 +176,7 @@ void take_poses(const Settings& settings, CalibrationCall call) {
                   setup.output.string(), call.board.options(), panel.width, panel.height);
   print(settings,
         {{"folder", setup.output.string()},
-         {"camera", figures_of(stage.camera().state())},
+         {"camera", camera_figures(stage.camera().state())},
          {"images", poses.count() * shown.size()},
          {"poses", poses.count()},
          {"clipped", stage.most_clipped()}},

@@ -45,7 +45,7 @@ struct SequenceCall {
 };
 
 /// "3, 17 to 21": which frames of `lost` have one cause.
-std::string numbers_of(const std::vector<sensing::LostFrames>& lost, bool by_memory) {
+std::string lost_in_words(const std::vector<sensing::LostFrames>& lost, bool by_memory) {
   std::string words;
   std::size_t gaps = 0;
   for (const sensing::LostFrames& frames : lost) {
@@ -59,14 +59,14 @@ std::string numbers_of(const std::vector<sensing::LostFrames>& lost, bool by_mem
 }
 
 void warn_of_losses(const sensing::Recording& recording) {
-  const std::string never = numbers_of(recording.lost, false);
+  const std::string never = lost_in_words(recording.lost, false);
   if (!never.empty()) {
     spdlog::warn(
         "frames that the camera took never arrived: {}. The connection or this computer was too "
         "slow; a lower --rate, a smaller --size or fewer programs beside it may help",
         never);
   }
-  const std::string unwritten = numbers_of(recording.lost, true);
+  const std::string unwritten = lost_in_words(recording.lost, true);
   if (!unwritten.empty()) {
     spdlog::warn(
         "frames found no memory, because writing was too slow: {}. Record to a faster disk, or "
@@ -164,7 +164,7 @@ void report(const Settings& settings, const SequenceCall& call, const sensing::C
                     {"cause", frames.by_memory ? "memory" : "camera"}});
   }
   Json figures = {{"folder", call.output.string()},
-                  {"camera", figures_of(camera)},
+                  {"camera", camera_figures(camera)},
                   {"frames", recording.frames},
                   {"frames_lost", lost},
                   {"gaps", gaps},
@@ -216,7 +216,7 @@ void record_sequence(const Settings& settings, const SequenceCall& call) {
   if (projector) projector->show(call.show);
   std::optional<LiveDecoding> decoding;
   if (decodes) decoding.emplace(decode, camera->state());
-  CaptureFiles files(call.output, figures_of(camera->state()));
+  CaptureFiles files(call.output, camera_figures(camera->state()));
   sensing::RecordingOptions options{
       .frames = call.count, .seconds = call.seconds, .patience = call.camera.patience};
   if (decodes) options.decoders = tbb::this_task_arena::max_concurrency();

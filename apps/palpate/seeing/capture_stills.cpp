@@ -49,7 +49,7 @@ void write_stills(const Settings& settings, const StageCall& call, const Stage& 
   stage.warn_of_clipping();
   print(settings,
         {{"folder", call.output.string()},
-         {"camera", figures_of(camera)},
+         {"camera", camera_figures(camera)},
          {"images", stills.size()},
          {"clipped", stage.most_clipped()}},
         fmt::format("{} images in {}; at most {:.2g} % of their values are at full scale\nNext: {}",

@@ -28,6 +28,19 @@ std::string if_known(std::optional<double> force) { return force ? newtons(*forc
 
 }  // namespace
 
+std::vector<std::size_t> contacts_by_error(const haptics::Model& model) {
+  std::vector<std::size_t> order(model.contacts.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return model.contacts[a].rms < model.contacts[b].rms;
+  });
+  return order;
+}
+
+std::size_t median_contact(const haptics::Model& model) {
+  return contacts_by_error(model)[model.contacts.size() / 2];
+}
+
 void draw_model_contacts(const fs::path& png, const haptics::Model& model,
                          const std::string& title) {
   // Each vertex belongs to the contact with the largest weight there.

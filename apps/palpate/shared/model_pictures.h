@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model.h"
@@ -12,6 +14,11 @@
 #include "palpate/probing/acquisition.h"
 
 namespace palpate::apps {
+
+/// Contacts (indices) by the errors of their fields, the smallest first.
+[[nodiscard]] std::vector<std::size_t> contacts_by_error(const haptics::Model& model);
+/// The contact with the median error, for a representative picture.
+[[nodiscard]] std::size_t median_contact(const haptics::Model& model);
 
 /// Draws a model's surface, the geodesic Voronoi cells of its contacts, and their triangulation.
 void draw_model_contacts(const std::filesystem::path& png, const haptics::Model& model,

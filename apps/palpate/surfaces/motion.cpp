@@ -171,7 +171,7 @@ std::vector<FrameFigures> write_frames(const MotionCall& call, const MotionSeque
   return figures;
 }
 
-std::string in_words(const MotionCall& call, const std::vector<FrameFigures>& frames) {
+std::string motion_in_words(const MotionCall& call, const std::vector<FrameFigures>& frames) {
   std::string words;
   for (const FrameFigures& of : frames) {
     words += fmt::format(
@@ -205,7 +205,7 @@ void motion(const Settings& settings, const MotionCall& call) {
   for (const FrameFigures& of : figures) per_frame.push_back(to_json(of));
   print(settings,
         {{"meshes", figures.size()}, {"reference", file.string()}, {"per_frame", per_frame}},
-        in_words(call, figures));
+        motion_in_words(call, figures));
 }
 
 }  // namespace

@@ -41,16 +41,6 @@ geometry::ErrorStatistics friction_errors(const haptics::Model& model, const fs:
   return geometry::error_statistics(std::move(errors));
 }
 
-/// The contact with the median fit error, for a representative picture.
-std::size_t median_contact(const haptics::Model& model) {
-  std::vector<std::size_t> order(model.contacts.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return model.contacts[a].rms < model.contacts[b].rms;
-  });
-  return order[order.size() / 2];
-}
-
 /// Plays the bundled trajectory; false if a second run gives a different trace.
 bool play_twice(const haptics::Playback& playback,
                 const std::vector<haptics::TrajectoryPoint>& trajectory, const fs::path& output) {

@@ -183,8 +183,8 @@ std::string row(const haptics::PlannedContacts& of, const char* note) {
                      of.arm_time / kSecondsPerHour, of.size / 1e3, note);
 }
 
-std::string in_words(const haptics::SceneRequirement& requirement,
-                     const haptics::ObjectPlan& plan) {
+std::string plan_in_words(const haptics::SceneRequirement& requirement,
+                          const haptics::ObjectPlan& plan) {
   std::string words = fmt::format(
       "{} ({}): an error of {} is expected with the present {} contacts; the contacts themselves "
       "contribute {}. With newly planned contacts:\n  contacts      error  arm [h]  model [kB]\n",
@@ -255,7 +255,7 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
     const haptics::SceneRequirement& requirement = objects[i].requirement;
     tell_raised(requirement, plans[i]);
     figures["objects"].push_back(figures_of(requirement, plans[i]));
-    words += in_words(requirement, plans[i]);
+    words += plan_in_words(requirement, plans[i]);
     hours += plans[i].planned.arm_time / kSecondsPerHour;
   }
   if (plans.size() > 1) words += fmt::format("All objects: {:.1f} h of the arm.\n", hours);

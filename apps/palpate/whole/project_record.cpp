@@ -21,9 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kKind = "record of palpate run";
+constexpr const char* kProjectRecord = "record of palpate run";
 // Of the record; raised when the meaning of a member changes.
-constexpr int kVersion = 1;
+constexpr int kProjectRecordVersion = 1;
 
 constexpr std::array<const char*, 3> kStates = {"begun", "failed", "done"};
 
@@ -66,7 +66,7 @@ ProjectRecord::ProjectRecord(fs::path file) : file_(std::move(file)) {
   try {
     std::ifstream stream(file_, std::ios::binary);
     const Json json = Json::parse(stream);
-    if (json.at("kind") != kKind || json.at("version") != kVersion)
+    if (json.at("kind") != kProjectRecord || json.at("version") != kProjectRecordVersion)
       throw FileError(file_.string() + ": is a record of another program or version.");
     for (const auto& [step, record] : json.at("steps").items()) steps_[step] = to_record(record);
   } catch (const FileError&) {
@@ -89,7 +89,8 @@ void ProjectRecord::put(const std::string& step, StepRecord record) {
   Json steps = Json::object();
   for (const auto& [name, known] : steps_) steps[name] = to_json(known);
   write_file(file_, [&](std::ostream& out) {
-    out << to_text({{"kind", kKind}, {"version", kVersion}, {"steps", steps}});
+    out << to_text(
+        {{"kind", kProjectRecord}, {"version", kProjectRecordVersion}, {"steps", steps}});
   });
 }
 

@@ -125,7 +125,6 @@ Json call_step(const StepCall& call, bool goes_on) {
 /// Does a step, and keeps in the record that it was begun and how it ended.
 StepOutcome do_step(const StepCall& call, const std::string& reason, StepRecord now,
                     ProjectRecord& record) {
-  using Clock = std::chrono::steady_clock;
   const std::string& name = call.step->name;
   const StepRecord* const before = record.find(name);
   const bool goes_on = before != nullptr && can_be_resumed(*before, now);
@@ -135,14 +134,14 @@ StepOutcome do_step(const StepCall& call, const std::string& reason, StepRecord 
     now.outputs = fingerprints_of(call.outputs);
     record.put(name, now);
   };
-  const Clock::time_point start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   try {
     now.figures = call_step(call, goes_on);
   } catch (...) {
     put(StepState::failed);
     throw;
   }
-  now.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  now.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   put(StepState::done);
   return {.step = name,
           .status = "done",

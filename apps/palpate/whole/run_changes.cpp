@@ -46,7 +46,7 @@ std::vector<fs::path> files_beside(const fs::path& file) {
 }
 
 /// "0.2", or "0.2, 0.3" of several.
-std::string in_words(const json& values) {
+std::string values_in_words(const json& values) {
   std::vector<std::string> words;
   for (const json& given : values)
     for (const json& word : given) words.push_back(word.get<std::string>());
@@ -58,8 +58,8 @@ void compare_entries(const json& before, const json& now, std::vector<std::strin
     if (!before.contains(name))
       changes.push_back(name + " is new");
     else if (before[name] != values)
-      changes.push_back(
-          fmt::format("{} was {}, is {}", name, in_words(before[name]), in_words(values)));
+      changes.push_back(fmt::format("{} was {}, is {}", name, values_in_words(before[name]),
+                                    values_in_words(values)));
   }
   for (const auto& [name, values] : before.items())
     if (!now.contains(name)) changes.push_back(name + " is left out");

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// "rig.yaml changed, and 3 more changes"
-std::string in_words(const std::vector<std::string>& changes) {
+std::string changes_in_words(const std::vector<std::string>& changes) {
   const std::size_t more = changes.size() - 1;
   if (more == 0) return changes.front();
   return fmt::format("{}, and {} more change{}", changes.front(), more, more == 1 ? "" : "s");
@@ -41,7 +41,7 @@ StepPlan plan_with(const StepCall& call, const StepRecord* before, const StepRec
                                                ? std::vector<std::string>{"not done before"}
                                                : changes_since(*before, now, there);
   if (!changes.empty())
-    plan = {.need = StepNeed::due, .reason = in_words(changes)};
+    plan = {.need = StepNeed::due, .reason = changes_in_words(changes)};
   else if (awaited)
     plan = {.need = StepNeed::depends, .reason = "if " + *awaited + " writes something else"};
   if (plan.need != StepNeed::none) check_own(call.step->name, before, there);

@@ -119,7 +119,7 @@ Json figures_of(const Trade& trade, const TradeCall& call) {
           {"output", call.output.string()}};
 }
 
-std::string in_words(const Trade& trade, const TradeCall& call) {
+std::string trade_in_words(const Trade& trade, const TradeCall& call) {
   std::string words = fmt::format("{}. The best by size:\n", trade.error);
   for (const std::size_t i : pareto_front(dots_of(trade, &TradePoint::bytes)))
     words += row(trade, trade.points[i]) + "\n";
@@ -168,7 +168,7 @@ void trade(const Settings& settings, TradeCall call) {
     write("error-time.svg", trade_svg(dots_of(found, &TradePoint::seconds), "time [s]", error));
   });
   for (const std::string& failure : found.failures) spdlog::warn("{}", failure);
-  print(settings, figures_of(found, call), in_words(found, call));
+  print(settings, figures_of(found, call), trade_in_words(found, call));
 }
 
 }  // namespace
