@@ -3,11 +3,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "operations.h"
+#include "palpate/geometry/depth_noise.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/range_map.h"
+#include "palpate/geometry/range_map_cloud.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_selection.h"
 #include "palpate/geometry/range_map_smoothing.h"
@@ -114,6 +117,25 @@ Results map_smoothing(const Input& input, const Change&) {
   return {unknown_allowed(numbers("depths", smooth.cast<double>().reshaped().matrix(), kLength))};
 }
 
+Results noise_of_depths(const Input& input, const Change&) {
+  const RangeMap map = range_map_of_bump(input);
+  std::vector<ImageF> still(6, map.z);
+  for (std::size_t k = 0; k < still.size(); ++k) {
+    for (Eigen::Index i = 0; i < map.z.size(); ++i) {
+      const auto n = static_cast<double>(i + 7 * static_cast<Eigen::Index>(k * k));
+      still[k].data()[i] += static_cast<float>(0.3 * input.length * std::sin(n * n));
+    }
+  }
+  const DepthNoise noise = depth_noise(still);
+  return {number("deviation", noise.deviation(300 * input.length), kLength)};
+}
+
+Results camera_of_cloud(const Input& input, const Change&) {
+  const Camera camera = fitted_camera(organised_cloud(range_map_of_bump(input)));
+  return {number("fx", camera.fx), number("fy", camera.fy), number("cx", camera.cx),
+          number("cy", camera.cy)};
+}
+
 Results depth_selection(const Input& input, const Change& change) {
   const RangeMap map = range_map_of_bump(input);
   const double nearest =
@@ -148,6 +170,8 @@ std::vector<Operation> scan_operations() {
       {"register_scans", kOptions | kSheet, scan_registration, 0, 1e4, 3},
       {"mesh_range_map", kFrame, map_mesh},
       {"smooth_range_map", kFrame, map_smoothing},
+      {"depth_noise", kFrame, noise_of_depths},
+      {"fitted_camera", kFrame, camera_of_cloud},
       {"select_depths", kOptions | kFrame, depth_selection},
       {"SurfaceTracker", kOptions | kFrame, tracking, 0, 0, 3},
   };
