@@ -250,7 +250,7 @@ TEST_F(Cloud, IsDescribedByInfo) {
   EXPECT_NEAR(said["max"][2].get<double>(), kWall, kDepthRounding);
   EXPECT_NEAR(said["nearest"]["median"].get<double>(), 2.5, kDepthRounding);  // a pixel of the wall
   EXPECT_THAT(run_palpate({"info", scratch / "s.pcd"}).out,
-              testing::AllOf(HasSubstr("(organised)"), HasSubstr("with normals")));
+              ::testing::AllOf(HasSubstr("(organised)"), HasSubstr("with normals")));
 }
 
 TEST_F(Cloud, InAMeshFormatIsDescribedByInfo) {

@@ -15,7 +15,7 @@
 namespace palpate::apps {
 namespace {
 
-class CompareDepths : public testing::Test {
+class CompareDepths : public ::testing::Test {
  protected:
   /// A wall at 1000 mm; one column is 1 mm off, one 50 mm, one has a depth where nothing is, and
   /// one has none.

@@ -69,14 +69,14 @@ TEST_F(ComparePlaces, ObjectsThatDoNotTouchAreDoubted) {
 // All vertices of the coarse surface lie on the fine one, and between them its chords do not: their
 // distance from the curve is s (1 - t^2) for t from -1 to 1, with s = width^2 / (8 radius).
 TEST_F(ComparePlaces, ASurfaceIsNotOnlyItsVertices) {
-  constexpr double kRadius = 400, kWidth = 10;
-  const CommandResult result = compare(gutter(kRadius, kWidth), gutter(kRadius, kWidth / 20));
+  constexpr double kRadius = 400, kStrip = 10;
+  const CommandResult result = compare(gutter(kRadius, kStrip), gutter(kRadius, kStrip / 20));
   EXPECT_TRUE(result.out.starts_with("Distance of A's surface from B's, over its area: RMS 0.023"))
       << result.out;
   const CommandResult in_json =
       run_palpate({"compare", scratch / "a.ply", scratch / "b.ply", "--json"});
   const auto figures = nlohmann::json::parse(in_json.out);
-  const double rms = kWidth * kWidth / (8 * kRadius) * std::sqrt(8.0 / 15);
+  const double rms = kStrip * kStrip / (8 * kRadius) * std::sqrt(8.0 / 15);
   constexpr double kOfTheSlope = 0.02;  // distances are along the normal, not along z
   for (const nlohmann::json& part : {figures, figures.at("in_both")})
     EXPECT_NEAR(part.at("rms").get<double>(), rms, kOfTheSlope * rms);

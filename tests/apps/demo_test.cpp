@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// One run of the demo, for all tests.
-class Demo : public testing::Test {
+class Demo : public ::testing::Test {
  protected:
   struct Run {
     ScratchFolder folder;

@@ -23,9 +23,9 @@ TEST(Version, TellsWhatADefectReportNeeds) {
                             std::to_string(EIGEN_MAJOR_VERSION) + "." +
                             std::to_string(EIGEN_MINOR_VERSION);
   EXPECT_EQ(figures.at("eigen"), eigen);
-  EXPECT_THAT(figures.at("licence").get<std::string>(), testing::StartsWith("Apache-2.0"));
+  EXPECT_THAT(figures.at("licence").get<std::string>(), ::testing::StartsWith("Apache-2.0"));
   EXPECT_THAT(figures.at("commit").get<std::string>(),
-              testing::MatchesRegex("unknown|[0-9a-f]{12}[0-9a-f]*\\+?"));
+              ::testing::MatchesRegex("unknown|[0-9a-f]{12}[0-9a-f]*\\+?"));
 }
 
 }  // namespace

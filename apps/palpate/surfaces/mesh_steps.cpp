@@ -26,6 +26,7 @@
 #include "palpate/geometry/smoothing.h"
 #include "palpate/geometry/surface_query.h"
 #include "shared/color_picture.h"
+#include "shared/command_line.h"
 
 namespace palpate::apps {
 namespace {

@@ -46,7 +46,8 @@ std::vector<Pixel> known_pixels(std::span<const ImageF> still) {
       const double z = still[k].data()[i];
       pixel.variance += std::pow(z - pixel.z, 2) / (count - 1);
       if (k > 0)
-        pixel.step += std::pow(z - static_cast<double>(still[k - 1].data()[i]), 2) / 2 / (count - 1);
+        pixel.step +=
+            std::pow(z - static_cast<double>(still[k - 1].data()[i]), 2) / 2 / (count - 1);
     }
     pixels.push_back(pixel);
   }

@@ -15,14 +15,14 @@ namespace {
 
 /// What is printed about 40 pieces of work that take so long together, outside of a terminal.
 std::string printed(std::chrono::milliseconds time) {
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   {
     Progress progress("decoding");
     progress.show(0, 40);
     std::this_thread::sleep_for(time);
     for (int done = 1; done <= 40; ++done) progress.show(done, 40);
   }
-  return testing::internal::GetCapturedStderr();
+  return ::testing::internal::GetCapturedStderr();
 }
 
 TEST(Progress, PrintsALineForEachTenthOutsideOfATerminal) {
@@ -43,14 +43,14 @@ TEST(Progress, SaysNothingOfShortWorkOrWhereThereAreNoWarnings) {
 }
 
 TEST(Progress, OfAnOptionEndsWithTheWorkAndBeginsAnewWithTheNext) {
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   const auto progress = shown_as("finding normals");
   progress(0, 2);
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   progress(2, 2);
   progress(0, 2);  // short work, of which nothing is said
   progress(2, 2);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpate: finding normals: 2 of 2\n");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "palpate: finding normals: 2 of 2\n");
 }
 
 }  // namespace

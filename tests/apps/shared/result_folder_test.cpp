@@ -32,7 +32,7 @@ std::vector<fs::path> all_files(const fs::path& folder) {
 
 bool is_mine(const fs::path& /*file*/) { return true; }
 
-class ResultFolders : public testing::Test {
+class ResultFolders : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directory(out);

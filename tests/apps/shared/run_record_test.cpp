@@ -14,8 +14,6 @@
 namespace palpate::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 const RunRecord kEmpty{.head = {{"settings", {{"--window", 2.0}}}}, .items = {}};
 
 template <typename Exception, typename Action>
@@ -44,7 +42,7 @@ TEST(RunRecord, WritesTheSameNumberOfBytesForEachItem) {
   const ScratchFolder scratch;
   RunRecordWriter writer(scratch / "a.jsonl", kEmpty);
   const std::string before = read_text(scratch / "a.jsonl");
-  const Json item = {{"number", 1}};
+  const nlohmann::ordered_json item = {{"number", 1}};
   for (int i = 1; i <= 100; ++i) {
     writer.add(item);
     const std::string now = read_text(scratch / "a.jsonl");
@@ -87,7 +85,7 @@ TEST(RunRecord, RefusesAFileThatIsNoneAndSaysWhere) {
 }
 
 TEST(RunRecord, NamesTheSettingThatDiffersAndBothValues) {
-  const Json before = {{"--window", 2.0}, {"--half", false}};
+  const nlohmann::ordered_json before = {{"--window", 2.0}, {"--half", false}};
   EXPECT_NO_THROW(check_same_settings("a.jsonl", before, before, ""));
   const std::string message = message_of<InvalidInput>([&] {
     check_same_settings("a.jsonl", before, {{"--window", 3.0}, {"--half", false}}, "Do this");
