@@ -56,7 +56,7 @@ const std::vector<ProjectStep>& table() {
            }},
       {.name = "mesh",
        .command = {"mesh"},
-       .inputs = {"range", "rig", "mask", "color-images"},
+       .inputs = {"range", "rig", "mask", "color-images", "still"},
        .outputs = {"output", "picture"},
        .result_entry = "output",
        .result = "surface.ply",
