@@ -8,11 +8,11 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <ostream>
 #include <string>
-#include <utility>
+#include <string_view>
+#include <vector>
 
 #include "files/gltf_colors.h"
 #include "files/scalar_type.h"
@@ -24,7 +24,6 @@ namespace palpate::geometry {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 // Numbers of the specification.
 constexpr int kGlbFloat = 5126, kGlbUnsigned = 5125;        // types of components
@@ -38,40 +37,40 @@ constexpr double kMetreInMm = 1000;  // [mm]
 /// Describes the blocks of the binary chunk, in the order in which they are written.
 class GlbLayout {
  public:
-  /// A block of numbers, each of 4 bytes. \returns the index of its accessor.
-  std::size_t add(Json accessor, std::size_t numbers, std::optional<int> target = {}) {
+  /// A block of `numbers` numbers, each of 4 bytes. \returns the index of its accessor.
+  /// \param form members of the accessor, in JSON.
+  std::size_t add(std::string_view form, std::size_t numbers, std::optional<int> target = {}) {
+    const char* const comma = count_ == 0 ? "" : ",";
     const std::size_t bytes = 4 * numbers;
-    Json view = {{"buffer", 0}, {"byteOffset", bytes_}, {"byteLength", bytes}};
-    if (target) view["target"] = *target;
-    accessor["bufferView"] = views_.size();
+    views_ += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}{}}})", comma, bytes_,
+                          bytes, target ? fmt::format(R"(,"target":{})", *target) : "");
+    accessors_ += fmt::format(R"({}{{"bufferView":{},{}}})", comma, count_, form);
     bytes_ += bytes;
-    views_.push_back(std::move(view));
-    accessors_.push_back(std::move(accessor));
-    return accessors_.size() - 1;
+    return count_++;
   }
 
   /// A block of places or displacements [m], whose bounds the format demands.
   std::size_t add_places(const Eigen::Matrix3Xf& places) {
-    const Eigen::Vector3f min = places.rowwise().minCoeff(), max = places.rowwise().maxCoeff();
-    return add({{"componentType", kGlbFloat},
-                {"count", places.cols()},
-                {"type", "VEC3"},
-                {"min", {min.x(), min.y(), min.z()}},
-                {"max", {max.x(), max.y(), max.z()}}},
-               static_cast<std::size_t>(places.size()), kVertexBuffer);
+    // In double: programs read JSON in double, and compare with the numbers in float.
+    const Eigen::Vector3d min = places.rowwise().minCoeff().cast<double>(),
+                          max = places.rowwise().maxCoeff().cast<double>();
+    const std::string form = fmt::format(
+        R"("componentType":{},"count":{},"type":"VEC3","min":[{},{},{}],"max":[{},{},{}])",
+        kGlbFloat, places.cols(), min.x(), min.y(), min.z(), max.x(), max.y(), max.z());
+    return add(form, static_cast<std::size_t>(places.size()), kVertexBuffer);
   }
 
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
-  void move_to(Json& document) {
-    document["accessors"] = std::move(accessors_);
-    document["bufferViews"] = std::move(views_);
-    document["buffers"] = {{{"byteLength", bytes_}}};
+  /// The members of the document that describe the blocks.
+  [[nodiscard]] std::string json() const {
+    return fmt::format(R"("accessors":[{}],"bufferViews":[{}],"buffers":[{{"byteLength":{}}}])",
+                       accessors_, views_, bytes_);
   }
 
  private:
-  Json views_ = Json::array(), accessors_ = Json::array();
-  std::size_t bytes_ = 0;
+  std::string views_, accessors_;
+  std::size_t count_ = 0, bytes_ = 0;
 };
 
 template <typename Matrix>
@@ -114,47 +113,43 @@ void check_animation(const MeshAnimation& animation, const std::string& name) {
 }
 
 /// The JSON of the file; its blocks are those that `put_blocks` writes.
-Json glb_document(const MeshAnimation& animation, GlbLayout& layout) {
+std::string glb_document(const MeshAnimation& animation, GlbLayout& layout) {
   const TriangleMesh& mesh = animation.first.mesh;
   const std::size_t frames = animation.times.size(), targets = frames - 1;
-  const std::size_t corners = static_cast<std::size_t>(mesh.triangles.size());
-  Json primitive = {
-      {"attributes", {{"POSITION", layout.add_places(in_metres(mesh.vertices))}}},
-      {"indices",
-       layout.add({{"componentType", kGlbUnsigned}, {"count", corners}, {"type", "SCALAR"}},
-                  corners, kIndexBuffer)},
-      {"material", 0},
-      {"targets", Json::array()}};
+  const auto corners = static_cast<std::size_t>(mesh.triangles.size());
+  const auto scalars = [](int type, std::size_t count) {
+    return fmt::format(R"("componentType":{},"count":{},"type":"SCALAR")", type, count);
+  };
+  const std::size_t position = layout.add_places(in_metres(mesh.vertices));
+  const std::size_t indices = layout.add(scalars(kGlbUnsigned, corners), corners, kIndexBuffer);
+  std::string color;
   if (color_bytes(animation.first.vertex_attributes)) {
-    primitive["attributes"]["COLOR_0"] = layout.add(
-        {{"componentType", kGlbFloat}, {"count", mesh.vertices.cols()}, {"type", "VEC4"}},
-        4 * static_cast<std::size_t>(mesh.vertices.cols()), kVertexBuffer);
+    const Eigen::Index vertices = mesh.vertices.cols();
+    const std::string form =
+        fmt::format(R"("componentType":{},"count":{},"type":"VEC4")", kGlbFloat, vertices);
+    color = fmt::format(R"(,"COLOR_0":{})",
+                        layout.add(form, 4 * static_cast<std::size_t>(vertices), kVertexBuffer));
   }
+  std::vector<std::string> displaced;
   for (const Eigen::Matrix3Xf& displacement : animation.displacements)
-    primitive["targets"].push_back({{"POSITION", layout.add_places(in_metres(displacement))}});
-  const std::size_t times = layout.add({{"componentType", kGlbFloat},
-                                        {"count", frames},
-                                        {"type", "SCALAR"},
-                                        {"min", {static_cast<float>(animation.times.front())}},
-                                        {"max", {static_cast<float>(animation.times.back())}}},
-                                       frames);
-  const std::size_t weights =
-      layout.add({{"componentType", kGlbFloat}, {"count", frames * targets}, {"type", "SCALAR"}},
-                 frames * targets);
-  Json document = {
-      {"asset", {{"version", "2.0"}, {"generator", "Palpate"}}},
-      {"scene", 0},
-      {"scenes", {{{"nodes", {0}}}}},
-      {"nodes", {{{"mesh", 0}}}},
-      {"meshes",
-       {{{"primitives", Json::array({primitive})}, {"weights", std::vector<int>(targets, 0)}}}},
-      // Most surfaces are seen from both sides, and the format's default is a metal.
-      {"materials", {{{"pbrMetallicRoughness", {{"metallicFactor", 0}}}, {"doubleSided", true}}}},
-      {"animations",
-       {{{"samplers", {{{"input", times}, {"output", weights}, {"interpolation", "LINEAR"}}}},
-         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}}}};
-  layout.move_to(document);
-  return document;
+    displaced.push_back(
+        fmt::format(R"({{"POSITION":{}}})", layout.add_places(in_metres(displacement))));
+  const std::size_t times =
+      layout.add(fmt::format(R"({},"min":[{}],"max":[{}])", scalars(kGlbFloat, frames),
+                             double{static_cast<float>(animation.times.front())},
+                             double{static_cast<float>(animation.times.back())}),
+                 frames);
+  const std::size_t weights = layout.add(scalars(kGlbFloat, frames * targets), frames * targets);
+  // Most surfaces are seen from both sides, and the format's default is a metal.
+  return fmt::format(
+      R"({{"asset":{{"version":"2.0","generator":"Palpate"}},"scene":0,"scenes":[{{"nodes":[0]}}],)"
+      R"("nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}{}}},)"
+      R"("indices":{},"material":0,"targets":[{}]}}],"weights":[{}]}}],)"
+      R"("materials":[{{"pbrMetallicRoughness":{{"metallicFactor":0}},"doubleSided":true}}],)"
+      R"("animations":[{{"samplers":[{{"input":{},"output":{},"interpolation":"LINEAR"}}],)"
+      R"("channels":[{{"sampler":0,"target":{{"node":0,"path":"weights"}}}}]}}],{}}})",
+      position, color, indices, fmt::join(displaced, ","),
+      fmt::join(std::vector<int>(targets, 0), ","), times, weights, layout.json());
 }
 
 template <typename Number>
@@ -201,7 +196,7 @@ void write_mesh_animation(const fs::path& path, const MeshAnimation& animation) 
   }
   check_animation(animation, name);
   GlbLayout layout;
-  std::string json = glb_document(animation, layout).dump();
+  std::string json = glb_document(animation, layout);
   json.resize((json.size() + kGlbAlignment - 1) / kGlbAlignment * kGlbAlignment, ' ');
   const std::size_t size = kGlbHeader + 2 * kGlbChunkHeader + json.size() + layout.bytes();
   if (size > std::numeric_limits<std::uint32_t>::max()) {
