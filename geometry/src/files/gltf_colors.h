@@ -6,8 +6,7 @@
 
 namespace palpate::geometry {
 
-// Colours of vertices are linear in the light in glTF. Our attributes, as those of PLY and OBJ, are
-// for screens: they have the curve of sRGB.
+// glTF stores colours of vertices as linear RGB. Our attributes, as those of PLY and OBJ, are sRGB.
 
 /// The intensity for red, green or blue of sRGB.
 inline double linear_intensity(double srgb) {
