@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/facing_share.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -12,6 +13,8 @@
 
 namespace palpate::geometry {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr double kRounding = 1e-12;
 
@@ -124,16 +127,14 @@ TEST(FacingShares, OfWrongInputAreRefused) {
   TriangleMesh mesh{Eigen::Matrix3Xd(3, 3), Eigen::Matrix3Xi(3, 1)};
   mesh.vertices << 0, 1, 0, 0, 0, 1, 0, 0, 0;
   mesh.triangles << 0, 1, 2;
-  const auto refused = [&](const SurfacePoint& place, const Eigen::Matrix3Xd& directions,
-                           double radius, const std::string& words) {
-    return refusal([&] {
-             return facing_shares(mesh, std::span(&place, 1), directions, radius);
-           }).find(words) != std::string::npos;
+  const auto refusal_of = [&](const SurfacePoint& place, const Eigen::Matrix3Xd& directions,
+                              double radius) {
+    return refusal([&] { return facing_shares(mesh, std::span(&place, 1), directions, radius); });
   };
   const SurfacePoint place{0, {1, 0, 0}}, off{4, {1, 0, 0}};
-  EXPECT_TRUE(refused(place, Eigen::Matrix3Xd(3, 2), 1, "1 places and 2 directions"));
-  EXPECT_TRUE(refused(place, Eigen::Vector3d(0, 0, 1), kNaN, "radius"));
-  EXPECT_TRUE(refused(off, Eigen::Vector3d(0, 0, 1), 1, "facing_shares()"));
+  EXPECT_THAT(refusal_of(place, Eigen::Matrix3Xd(3, 2), 1), HasSubstr("1 places and 2 directions"));
+  EXPECT_THAT(refusal_of(place, Eigen::Vector3d(0, 0, 1), kNaN), HasSubstr("radius"));
+  EXPECT_THAT(refusal_of(off, Eigen::Vector3d(0, 0, 1), 1), HasSubstr("facing_shares()"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/response.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,6 +17,7 @@ namespace palpate::sensing {
 namespace {
 
 using Curve = std::function<double(double)>;
+using ::testing::HasSubstr;
 
 /// A bright wall on the left, lit unevenly, and a dark corner on the right; 8 or 16 bit with noise.
 cv::Mat see(double level, const Curve& curve, int depth, double noise, int channels = 1) {
@@ -219,16 +221,16 @@ TEST(Response, RefusesFilesAndFramesThatDoNotFit) {
       "%YAML:1.0\n---\nresponse:\n   - { black: 0.1, gain: 0.5, gamma: 2., gamma_deviation: 0.1, "
       "misfit: 0.,\n       levels: [ 0., 0.5, 1. ], light: [ 0., 0.25, 1. ] }\n";
   const Response response = read_response(written(folder, "r.yaml", good));
-  const auto refused = [&](const std::string& from, const std::string& to) {
+  const auto refusal_of = [&](const std::string& from, const std::string& to) {
     const auto path = written(folder, "r.yaml", replaced(good, from, to));
-    return !message_of<FileError>([&] { (void)read_response(path); }).empty();
+    return message_of<FileError>([&] { (void)read_response(path); });
   };
-  EXPECT_TRUE(refused("gain: 0.5", "gain: -0.5"));
-  EXPECT_TRUE(refused("gain: 0.5", "gain: .NaN"));
-  EXPECT_TRUE(refused("0.25, 1.", "0.25"));
-  EXPECT_TRUE(refused("0., 0.25, 1.", "0., 1.25, 1."));
-  EXPECT_TRUE(refused("0., 0.5, 1.", "0., 0.5, 0.5"));
-  EXPECT_TRUE(refused("black: 0.1,", ""));
+  EXPECT_THAT(refusal_of("gain: 0.5", "gain: -0.5"), HasSubstr("gain"));
+  EXPECT_THAT(refusal_of("gain: 0.5", "gain: .NaN"), HasSubstr("gain"));
+  EXPECT_THAT(refusal_of("0.25, 1.", "0.25"), HasSubstr("as many of each"));
+  EXPECT_THAT(refusal_of("0., 0.25, 1.", "0., 1.25, 1."), HasSubstr("light must not fall"));
+  EXPECT_THAT(refusal_of("0., 0.5, 1.", "0., 0.5, 0.5"), HasSubstr("levels must rise"));
+  EXPECT_THAT(refusal_of("black: 0.1,", ""), HasSubstr("black"));
   EXPECT_THROW((void)linearize(cv::Mat(2, 2, CV_8UC3), response), InvalidInput);
   EXPECT_THROW((void)linearize(cv::Mat(2, 2, CV_32F), response), InvalidInput);
   EXPECT_THROW((void)linearize({}, response), InvalidInput);

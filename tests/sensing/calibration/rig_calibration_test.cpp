@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/rig_calibration.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,6 +16,8 @@
 
 namespace palpate::sensing {
 namespace {
+
+using ::testing::StartsWith;
 
 constexpr ImageSize kCamera{640, 480};
 
@@ -281,16 +284,16 @@ TEST(CalibrateRig, FewerThanThreeViewsAreRefusedWithTheReasonsOfTheOthers) {
 
 TEST(CalibrateRig, RefusesWrongInput) {
   const std::vector<RigView> views = make_views(make_board_rig(), board_poses(5));
-  const auto refused = [&](auto change) {
+  const auto expect_refused = [&](auto change) {
     std::vector<RigView> wrong = views;
     change(wrong[3]);
-    return message_of<InvalidInput>([&] { (void)calibrate(wrong); }).find("calibrate_rig") == 0;
+    EXPECT_THAT(message_of<InvalidInput>([&] { (void)calibrate(wrong); }),
+                StartsWith("calibrate_rig"));
   };
-  EXPECT_TRUE(refused([](RigView& view) { view.camera(0, 7) = std::nan(""); }));
-  EXPECT_TRUE(refused([](RigView& view) { view.camera.conservativeResize(Eigen::NoChange, 20); }));
-  EXPECT_TRUE(
-      refused([](RigView& view) { view.projector.conservativeResize(Eigen::NoChange, 20); }));
-  EXPECT_TRUE(refused([](RigView& view) { view.lit_camera(1, 3) = std::nan(""); }));
+  expect_refused([](RigView& view) { view.camera(0, 7) = std::nan(""); });
+  expect_refused([](RigView& view) { view.camera.conservativeResize(Eigen::NoChange, 20); });
+  expect_refused([](RigView& view) { view.projector.conservativeResize(Eigen::NoChange, 20); });
+  expect_refused([](RigView& view) { view.lit_camera(1, 3) = std::nan(""); });
   EXPECT_THROW((void)calibrate(views, {.distortion_terms = 3}), InvalidInput);
   EXPECT_THROW((void)calibrate(views, {.max_residual_ratio = std::nan("")}), InvalidInput);
   EXPECT_THROW((void)calibrate(views, {.max_focal_deviation = 0}), InvalidInput);

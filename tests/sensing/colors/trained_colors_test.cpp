@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/trained_colors.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,6 +16,8 @@
 
 namespace palpate::sensing {
 namespace {
+
+using ::testing::HasSubstr;
 
 /// A bright image whose red channel leads; `tilt` > 0 leans to yellow, < 0 to magenta. The hue is
 /// pi / 3 * tilt for |tilt| <= 1.
@@ -123,17 +126,19 @@ TEST(TrainedColors, RefuseWrongInput) {
 
 TEST(TrainedColors, RefuseWrongFiles) {
   const ScratchFolder folder;
-  const auto refused = [&](const std::string& colors) {
+  const auto refusal_of = [&](const std::string& colors) {
     const auto path = written(folder, "c.yaml", "%YAML:1.0\n---\ncolors:\n" + colors);
-    return !message_of<FileError>([&] { (void)read_trained_colors(path); }).empty();
+    return message_of<FileError>([&] { (void)read_trained_colors(path); });
   };
-  EXPECT_FALSE(refused("   - { name: R, mean: 0.1, variance: 0.1, pixels: 10 }\n"));
-  EXPECT_TRUE(refused("   - { name: R, mean: .NaN, variance: 0.1, pixels: 10 }\n"));
-  EXPECT_TRUE(refused("   - { name: R, mean: 0.1, variance: -0.1, pixels: 10 }\n"));
-  EXPECT_TRUE(refused("   - { name: R, mean: 0.1, variance: 0.1 }\n"));
-  EXPECT_TRUE(
-      refused("   - { name: R, mean: 0.1, variance: 0.1, pixels: 10 }\n"
-              "   - { name: R, mean: 0.1, variance: 0.1, pixels: 10 }\n"));
+  EXPECT_EQ(refusal_of("   - { name: R, mean: 0.1, variance: 0.1, pixels: 10 }\n"), "");
+  EXPECT_THAT(refusal_of("   - { name: R, mean: .NaN, variance: 0.1, pixels: 10 }\n"),
+              HasSubstr("colors[0].mean"));
+  EXPECT_THAT(refusal_of("   - { name: R, mean: 0.1, variance: -0.1, pixels: 10 }\n"),
+              HasSubstr("colors[0].variance: must be >= 0"));
+  EXPECT_THAT(refusal_of("   - { name: R, mean: 0.1, variance: 0.1 }\n"), HasSubstr("pixels"));
+  EXPECT_THAT(refusal_of("   - { name: R, mean: 0.1, variance: 0.1, pixels: 10 }\n"
+                         "   - { name: R, mean: 0.1, variance: 0.1, pixels: 10 }\n"),
+              HasSubstr("appears twice"));
   EXPECT_THROW((void)read_trained_colors(folder / "none.yaml"), FileError);
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/decode.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,6 +20,8 @@
 
 namespace palpate::sensing {
 namespace {
+
+using ::testing::HasSubstr;
 
 struct Quality {
   double median_error = 1;  ///< relative to the depth
@@ -365,27 +368,27 @@ TEST(Decoder, RefusesPatternsItCannotUse) {
 }
 
 TEST(Decoder, RefusesOptionsOutsideTheirRange) {
-  const auto refused = [](const DecodeOptions& options) {
-    return !message_of<InvalidInput>([&] {
-              Decoder(make_rig(false), make_pattern(Axis::y, 20, 1024), ideal_colors(), options);
-            }).empty();
+  const auto refusal_of = [](const DecodeOptions& options) {
+    return message_of<InvalidInput>([&] {
+      Decoder(make_rig(false), make_pattern(Axis::y, 20, 1024), ideal_colors(), options);
+    });
   };
-  EXPECT_FALSE(refused({}));
+  EXPECT_EQ(refusal_of({}), "");
   for (const double bad : {std::nan(""), -0.1, 0.0, kInf}) {
-    EXPECT_TRUE(refused({.window_periods = bad}));
-    EXPECT_TRUE(refused({.min_signal = bad}));
-    EXPECT_TRUE(refused({.min_modulation = bad}));
-    EXPECT_TRUE(refused({.max_phase_sigma = bad}));
-    EXPECT_TRUE(refused({.min_hue_step = bad}));
-    EXPECT_TRUE(refused({.min_color_score = bad}));
-    EXPECT_TRUE(refused({.max_phase_variance = bad}));
-    EXPECT_TRUE(refused({.max_phase_step = bad}));
-    EXPECT_TRUE(refused({.min_agreement = bad}));
-    EXPECT_TRUE(refused({.max_sensitivity = bad}));
+    EXPECT_THAT(refusal_of({.window_periods = bad}), HasSubstr("window_periods"));
+    EXPECT_THAT(refusal_of({.min_signal = bad}), HasSubstr("min_signal"));
+    EXPECT_THAT(refusal_of({.min_modulation = bad}), HasSubstr("min_modulation"));
+    EXPECT_THAT(refusal_of({.max_phase_sigma = bad}), HasSubstr("max_phase_sigma"));
+    EXPECT_THAT(refusal_of({.min_hue_step = bad}), HasSubstr("min_hue_step"));
+    EXPECT_THAT(refusal_of({.min_color_score = bad}), HasSubstr("min_color_score"));
+    EXPECT_THAT(refusal_of({.max_phase_variance = bad}), HasSubstr("max_phase_variance"));
+    EXPECT_THAT(refusal_of({.max_phase_step = bad}), HasSubstr("max_phase_step"));
+    EXPECT_THAT(refusal_of({.min_agreement = bad}), HasSubstr("min_agreement"));
+    EXPECT_THAT(refusal_of({.max_sensitivity = bad}), HasSubstr("max_sensitivity"));
   }
-  EXPECT_TRUE(refused({.color_window_px = 0}));
-  EXPECT_TRUE(refused({.max_phase_step = 3.2}));
-  EXPECT_TRUE(refused({.min_agreement = 0.5}));
+  EXPECT_THAT(refusal_of({.color_window_px = 0}), HasSubstr("color_window_px"));
+  EXPECT_THAT(refusal_of({.max_phase_step = 3.2}), HasSubstr("max_phase_step"));
+  EXPECT_THAT(refusal_of({.min_agreement = 0.5}), HasSubstr("min_agreement"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/rig.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +14,8 @@
 
 namespace palpate::sensing {
 namespace {
+
+using ::testing::HasSubstr;
 
 Rig awkward_rig() {
   Rig rig;
@@ -78,15 +81,15 @@ TEST(Rig, CovarianceSurvivesExactlyAndMayBeAbsent) {
   ASSERT_TRUE(again.covariance);
   EXPECT_TRUE(*again.covariance == *rig.covariance);
 
-  const auto refused = [&](auto change) {
+  const auto expect_refused = [&](auto change) {
     Rig wrong = rig;
     change(*wrong.covariance);
-    return message_of<InvalidInput>([&] { check_rig(wrong, "rig"); }).find("covariance") !=
-           std::string::npos;
+    EXPECT_THAT(message_of<InvalidInput>([&] { check_rig(wrong, "rig"); }),
+                HasSubstr("covariance"));
   };
-  EXPECT_TRUE(refused([](RigCovariance& c) { c(3, 3) = -1; }));
-  EXPECT_TRUE(refused([](RigCovariance& c) { c(3, 4) += 1; }));
-  EXPECT_TRUE(refused([](RigCovariance& c) { c(0, 0) = std::nan(""); }));
+  expect_refused([](RigCovariance& c) { c(3, 3) = -1; });
+  expect_refused([](RigCovariance& c) { c(3, 4) += 1; });
+  expect_refused([](RigCovariance& c) { c(0, 0) = std::nan(""); });
   std::string text = read_text(folder / "rig.yaml");
   text.replace(text.find("rows: 24"), 8, "rows: 12");
   text.replace(text.find("cols: 24"), 8, "cols: 48");
