@@ -7,11 +7,14 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <regex>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "palpate/geometry/range_map.h"
+#include "palpate/sensing/frame.h"
 #include "run_palpate.h"
 #include "shared/fingerprint.h"
 
@@ -129,6 +132,36 @@ TEST_F(Shards, OfMeshesGiveTheSameBytes) {
     EXPECT_EQ(merged.err, serial.err);
     EXPECT_EQ(timeless(merged.out, scratch / output), timeless(serial.out, scratch / "serial"));
     EXPECT_EQ(results(output), results("serial")) << output;
+  }
+}
+
+TEST_F(Shards, OfMeshesAreDoneAgainWithAnotherMaskOrPicture) {
+  for (const char* folder : {"range", "mask", "color"}) fs::create_directory(scratch / folder);
+  write_text(scratch / "range/rig.yaml",
+             "%YAML:1.0\n---\ncamera_size: [40, 30]\ncamera_matrix: !!opencv-matrix\n"
+             "   rows: 3\n   cols: 3\n   dt: d\n"
+             "   data: [100., 0., 19.5, 0., 100., 14.5, 0., 0., 1.]\ncamera_distortion: []\n");
+  for (const std::string name : {"000000", "000001", "000002", "000003"}) {
+    geometry::write_depth_tiff(scratch / ("range/" + name + ".tiff"),
+                               geometry::ImageF::Constant(30, 40, 500));
+    sensing::write_png(scratch / ("mask/" + name + ".png"), cv::Mat(30, 40, CV_8U, 255));
+    sensing::write_png(scratch / ("color/" + name + ".png"), cv::Mat(30, 40, CV_8UC3, 100));
+  }
+  const auto is_kept = [&] {
+    const CommandResult again = run_palpate({"mesh", scratch / "range", "-o", scratch / "meshes",
+                                             "--mask", scratch / "mask", "--color-images",
+                                             scratch / "color", "--shard", "1/2", "--json"});
+    EXPECT_EQ(again.status, kDone) << again.err;
+    return nlohmann::json::parse(again.out)["kept"].get<bool>();
+  };
+  EXPECT_FALSE(is_kept());
+  EXPECT_TRUE(is_kept());
+  for (const std::string file : {"mask/000001.png", "color/000001.png"}) {
+    cv::Mat picture = sensing::read_frame(scratch / file);
+    picture.colRange(0, 10) = 0;
+    sensing::write_png(scratch / file, picture);
+    EXPECT_FALSE(is_kept()) << file;
+    EXPECT_TRUE(is_kept()) << file;
   }
 }
 

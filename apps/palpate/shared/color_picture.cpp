@@ -58,10 +58,13 @@ std::filesystem::path picture_of(const std::filesystem::path& folder,
                               name));
 }
 
+std::filesystem::path color_beside(const std::filesystem::path& range_map) {
+  return range_map.parent_path() / (range_map.stem().string() + "_color.png");
+}
+
 geometry::Attributes colors_beside(const std::filesystem::path& range_map,
                                    const Eigen::Matrix3Xd& vertices, const MapCamera& camera) {
-  const std::filesystem::path file =
-      range_map.parent_path() / (range_map.stem().string() + "_color.png");
+  const std::filesystem::path file = color_beside(range_map);
   if (!is_range_map(range_map) || !is_there(file)) {
     throw FileError(file.string() +
                     ": missing. --color needs the colour of the surface, which palpate decode "

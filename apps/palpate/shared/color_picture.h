@@ -11,6 +11,9 @@
 
 namespace palpate::apps {
 
+/// The picture that `decode --surface-color` writes beside a range map.
+[[nodiscard]] std::filesystem::path color_beside(const std::filesystem::path& range_map);
+
 /// Colours of the vertices of a range map's mesh, from the picture that `decode --surface-color`
 /// has written beside the range map.
 /// \param vertices 3 x V [mm], camera frame

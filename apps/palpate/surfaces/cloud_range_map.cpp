@@ -11,6 +11,7 @@
 #include "palpate/geometry/range_map_cloud.h"
 #include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/frame.h"
+#include "shared/color_picture.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -29,7 +30,7 @@ bool is_same(const geometry::Camera& a, const geometry::Camera& b) {
 }
 
 /// Known pixels have the colours of the cloud, others are black.
-cv::Mat picture_of(const geometry::PointCloud& cloud, const Eigen::Matrix4Xd& colors) {
+cv::Mat color_image(const geometry::PointCloud& cloud, const Eigen::Matrix4Xd& colors) {
   cv::Mat picture =
       cv::Mat::zeros(static_cast<int>(cloud.height), static_cast<int>(cloud.width), CV_8UC3);
   for (Eigen::Index i = 0; i < colors.cols(); ++i) {
@@ -84,8 +85,7 @@ std::string write_as_range_map(const fs::path& path, const geometry::PointCloud&
   tell_doubts(path.string(), sensing::range_map_doubts(map));
   geometry::write_depth_tiff(path, map.z);
   if (const auto colors = geometry::colors(cloud.attributes))
-    sensing::write_png(path.parent_path() / (path.stem().string() + "_color.png"),
-                       picture_of(cloud, *colors));
+    sensing::write_png(color_beside(path), color_image(cloud, *colors));
   if (!has_camera) sensing::write_camera(beside, *seen_by);
   return words;
 }

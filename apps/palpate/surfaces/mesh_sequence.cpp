@@ -13,6 +13,7 @@
 #include "palpate/core/file_names.h"
 #include "palpate/core/work_in_order.h"
 #include "shards/shard_run.h"
+#include "shared/color_picture.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
@@ -122,12 +123,27 @@ std::vector<fs::path> earlier_results(const MeshCall& call, const std::vector<fs
   return results;
 }
 
+/// The picture of a range map, if it is wanted and there.
+fs::path picture_for(const MeshCall& call, const fs::path& range_map) {
+  try {
+    if (call.steps.color) return color_beside(range_map);
+    if (!call.steps.color_images.empty())
+      return picture_of(call.steps.color_images, range_map, call.steps.camera.files->recordings);
+  } catch (const FileError&) {
+    // The mesh tells that it is missing.
+  }
+  return {};
+}
+
 /// The files of which a mesh is made.
 std::vector<ShardFile> inputs_of(const MeshCall& call, const fs::path& range_map) {
+  std::vector<fs::path> files = {range_map, picture_for(call, range_map)};
+  if (call.steps.smooth_depths && !call.steps.noise) files.push_back(noise_beside(range_map));
+  if (!call.steps.camera.mask.empty())
+    files.push_back(mask_file(range_map, call.steps.camera.mask));
   std::vector<ShardFile> inputs;
-  if (is_there(range_map)) inputs.push_back(measured(range_map));
-  const fs::path noise = noise_beside(range_map);
-  if (call.steps.smooth_depths && is_there(noise)) inputs.push_back(measured(noise));
+  for (const fs::path& file : files)
+    if (is_there(file)) inputs.push_back(measured(file));
   return inputs;
 }
 
@@ -198,6 +214,8 @@ void mesh_shard(const Settings& settings, const CLI::App& command, const MeshCal
                 const std::vector<fs::path>& maps, const std::string& kind) {
   ShardCall shared = shard_call(command, call.output, *call.shard, maps);
   shared.settings["rig.yaml"] = camera_print(call, maps);
+  if (const auto& noise = call.steps.noise)
+    shared.settings["depth noise"] = {noise->constant, noise->quadratic};
   shared.record = {{"kind", kind}, {"format", call.format}};
   ShardRun run(
       shared, *call.shard, [&](const fs::path& folder) { return meshes_in(folder, call.format); },
