@@ -86,8 +86,9 @@ Camera fitted_camera(const PointCloud& cloud) {
   for (Eigen::Index i = 0; i < cloud.points.cols(); ++i) {
     const Eigen::Vector3d point = cloud.points.col(i);
     if (!point.allFinite() || !(point.z() > 0)) continue;
-    across.add(point.x() / point.z(), static_cast<double>(i % cloud.width));
-    down.add(point.y() / point.z(), static_cast<double>(i / cloud.width));
+    const Eigen::Index row = i / cloud.width, column = i % cloud.width;
+    across.add(point.x() / point.z(), static_cast<double>(column));
+    down.add(point.y() / point.z(), static_cast<double>(row));
   }
   const auto [fx, cx] = across.line();
   const auto [fy, cy] = down.line();
