@@ -149,6 +149,12 @@ TEST_F(Cloud, BecomesARangeMapOfItsOwnCameraOnly) {
   EXPECT_THAT(wrong({cloud, "--single", "-o", map}), HasSubstr("range maps are always float"));
   EXPECT_FALSE(std::filesystem::exists(map));
   EXPECT_TRUE(std::filesystem::is_empty(scratch / "new"));
+  // Its picture would replace the one that is read.
+  sensing::write_png(scratch / "before_color.png",
+                     cv::Mat(60, 80, CV_8UC3, cv::Scalar(3, 20, 100)));
+  EXPECT_THAT(wrong({scratch / "before.tiff", "--color", "-o", scratch / "before.tif"}),
+              HasSubstr("before_color.png"));
+  EXPECT_FALSE(std::filesystem::exists(scratch / "before.tif"));
 }
 
 TEST_F(Cloud, FindsTheWallAndTheBallAndDividesThem) {

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +19,7 @@
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/cloud_selection.h"
 #include "shared/call_checks.h"
+#include "shared/color_picture.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
@@ -199,7 +202,11 @@ void check_call(CloudCall& call) {
   for (const CLI::Option* reference : call.references) {
     for (const std::string& file : reference->results()) inputs.emplace_back(file);
   }
-  check_outputs(inputs, {call.output});
+  std::vector<fs::path> outputs = {call.output};
+  if (is_range_map(call.output)) outputs.push_back(color_beside(call.output));
+  if (call.settings.color)
+    std::ranges::transform(call.inputs, std::back_inserter(inputs), color_beside);
+  check_outputs(inputs, outputs);
   if (call.viewpoint.empty()) return;
   const std::vector<double> place = *numbers_of(call.viewpoint);
   call.settings.viewpoint = Eigen::Vector3d(place[0], place[1], place[2]);
@@ -277,10 +284,9 @@ void add_cloud(CLI::App& app, const Settings& settings) {
       "--voxel, --poisson, --normals, --from-mesh, --from-cloud, --plane, --sphere, --cylinder, "
       "--cluster, --keep, --remove. Each may be given several times. A PCD file of one range map "
       "stays organised, with NaN for removed points, unless --voxel or --poisson makes other "
-      "points; a range map's deviations (from decode --sigma) become the attribute sigma. An "
-      "organised cloud becomes a range map, in the folder of whose camera, rig.yaml, it is "
-      "written; "
-      "without --camera and such a file, the camera is found from the points.\n\n"
+      "points; a range map's deviations (from decode --sigma) become the attribute sigma. With "
+      "-o NAME.tiff, an organised cloud becomes a range map. Its camera is that of --camera or of "
+      "the rig.yaml in the folder; without these, it is computed from the points.\n\n"
       "Examples:\n  palpate cloud range/000000.tiff -o points.pcd --color --single\n"
       "  palpate cloud scan.ply --outliers 3 --voxel 0.5 --normals 16 -o small.ply\n"
       "  palpate cloud range/000000.tiff --plane 0.5 --remove --cluster 3 --keep -o object.ply\n"

@@ -85,9 +85,10 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "Reduce the noise of depths before meshing; no depth moves by more than its standard "
       "deviation, as decode --sigma predicts it for a range map, or from --still");
   command
-      ->add_option("--still", call->still,
-                   "Depth images or range maps of a scene that does not move, by the same camera: "
-                   "a folder, or at least four files. They show the noise for --smooth-depths")
+      ->add_option(
+          "--still", call->still,
+          "Depth images or range maps of a scene that does not move, by the same camera: "
+          "a folder, or at least four files. The first 100 show the noise for --smooth-depths")
       ->needs(smooth_depths);
   CLI::Option* color =
       command->add_flag("--color", call->steps.color,

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <numeric>
 #include <span>
 #include <string>
@@ -281,7 +282,10 @@ geometry::DepthNoise noise_in(const std::vector<fs::path>& still, MapCamera came
   // Of the whole scene, also where only a part of it is meshed.
   camera.selection = {};
   camera.mask.clear();
-  const std::vector<fs::path> files = list_range_maps(still, camera);
+  // All are in memory; more would hardly change a standard deviation.
+  constexpr std::size_t kMostFrames = 100;
+  std::vector<fs::path> files = list_range_maps(still, camera);
+  files.resize(std::min(files.size(), kMostFrames));
   std::vector<geometry::ImageF> frames;
   for (const fs::path& file : files) frames.push_back(load_range_map(file, camera).z);
   const double resolution = is_range_map(files.front()) ? 0 : *unit_of(files.front(), camera);

@@ -82,7 +82,7 @@ TEST(FittedCamera, IsThatOfTheRangeMap) {
   EXPECT_NEAR(camera.fy, map.camera.fy, 1e-12);
   EXPECT_NEAR(camera.cx, map.camera.cx, 1e-12);
   EXPECT_NEAR(camera.cy, map.camera.cy, 1e-12);
-  cloud.points *= 1e-3;  // whatever the unit
+  cloud.points *= 1e-3;  // in another unit
   EXPECT_NEAR(fitted_camera(cloud).fx, map.camera.fx, 1e-12);
 }
 
