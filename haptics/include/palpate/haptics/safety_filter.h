@@ -52,7 +52,7 @@ struct SafetyOptions {
 /// \throws InvalidInput on an option outside its range.
 void check_safety(const SafetyOptions& options);
 
-/// What a safety filter must know of a tick. Times are on the device's clock.
+/// The input of a safety filter in one tick. Times are on the device's clock.
 struct SafetyInput {
   double now = 0;          ///< [s]
   double state_time = 0;   ///< [s] of the measurement
