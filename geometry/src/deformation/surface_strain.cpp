@@ -55,7 +55,7 @@ std::vector<std::vector<int>> edge_neighbours(const TriangleMesh& mesh) {
   }
   for (std::vector<int>& of : neighbours) {
     std::ranges::sort(of);
-    of.erase(std::ranges::unique(of).begin(), of.end());
+    of.erase(std::unique(of.begin(), of.end()), of.end());
   }
   return neighbours;
 }
