@@ -114,7 +114,7 @@ std::vector<Vector3d> voted_places(const BallScene& scene, double radius) {
   std::vector<Vector3d> places;
   std::vector<Cell> taken;
   for (const auto& [cell, all] : around) {
-    const bool is_new = std::ranges::none_of(taken, [&](const Cell& other) {
+    const bool is_new = std::ranges::none_of(taken, [&cell = cell](const Cell& other) {
       return std::max({std::abs(cell[0] - other[0]), std::abs(cell[1] - other[1]),
                        std::abs(cell[2] - other[2])}) <= 1;
     });
