@@ -56,7 +56,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-/// Sets the field of one name.
+/// Sets the field that has a given name.
 class TextReader : public FieldVisitor {
  public:
   TextReader(std::string_view name, std::string_view text) : name_(name), text_(text) {}

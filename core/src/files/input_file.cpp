@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Not find_first_of, which searches a string of blanks for each character.
+// Not find_first_of, which would search a string of blanks for each character.
 constexpr bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
 std::string read_pipe(const fs::path& path) {

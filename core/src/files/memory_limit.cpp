@@ -16,7 +16,7 @@ namespace {
 constexpr double kMegabyte = 1e6;
 constexpr double kGigabyte = 1e9;
 
-/// [bytes] 0 if the user does not say.
+/// The limit that the user sets [bytes]; 0 if the variable is not set.
 double allowed_by_user() {
   const char* const value = std::getenv(kMemoryVariable);
   if (value == nullptr) return 0;

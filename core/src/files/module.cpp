@@ -26,7 +26,7 @@ const void* module_symbol(const std::string& name) {
   const std::filesystem::path library = this_library();
   const std::filesystem::path file =
       library.parent_path() / ("libpalpate_" + name + PALPATE_MODULE_ENDING);
-  // Lazy, as the libraries of a program are: few functions of so many are called.
+  // Lazy, as for the libraries of a program: only a few of the many functions are called.
   void* const loaded = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
   const void* const symbol =
       loaded == nullptr ? nullptr : dlsym(loaded, ("palpate_" + name).c_str());

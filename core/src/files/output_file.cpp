@@ -37,7 +37,7 @@ OutputError output_error(const fs::path& path, const std::string& reason) {
                      ". What was there before is unchanged.");
 }
 
-/// The place that is replaced: `path` without trailing separators and symbolic links. A link may
+/// The path that is replaced: `path` without trailing separators and symbolic links. A link may
 /// point to something that does not exist yet, so `fs::canonical` cannot be used.
 fs::path replaced_place(const fs::path& path) {
   fs::path place = fs::absolute(path).lexically_normal();
@@ -60,11 +60,11 @@ std::string host_name() {
   return text;
 }
 
-/// What the names of all temporaries of this host begin with. Readers of folders skip hidden files.
+/// Prefix of the names of all temporaries of this host. Readers of folders skip hidden files.
 std::string temporary_mark() { return ".palpate-tmp-" + host_name() + "-"; }
 
 /// A name beside `place` that nobody else chooses: the host, the process and the counter tell most
-/// writers apart; random bits tell apart containers that share all three. The extension stays,
+/// writers apart; random bits tell apart containers that share all three. The extension is kept,
 /// because libraries choose the format by it.
 fs::path unique_name(const fs::path& place, const std::string& mark) {
   static std::atomic<unsigned> counter{0};
@@ -84,7 +84,7 @@ LiveTemporaries& live_temporaries() {
   return *live;
 }
 
-/// Whether `handle` is open on what lies at `path` now.
+/// Returns true if `handle` is open on the file or folder that is at `path` now.
 bool is_at(const char* path, int handle) {
   struct stat opened {};
   struct stat there {};
@@ -92,9 +92,9 @@ bool is_at(const char* path, int handle) {
          opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
 }
 
-/// A temporary of this process. While its writer lives it is locked, which tells it from what a
-/// killed process left. It is removed whichever way the scope is left; after a rename nothing is
-/// left of it.
+/// A temporary of this process. It is locked while its writer runs, which distinguishes it from one
+/// that a killed process left. It is removed at the end of the scope, also by an exception; after a
+/// rename there is nothing to remove.
 class Temporary {
  public:
   /// Creates it beside `place`. `create` gets its path and returns a handle on it; as system calls
@@ -158,7 +158,7 @@ Temporary temporary_folder(const fs::path& place) {
           }};
 }
 
-/// Removes a temporary unless its writer lives.
+/// Removes a temporary unless its writer still runs.
 void remove_if_left_over(const fs::path& path) {
   std::error_code ignored;  // another process may do the same
   const bool is_folder = fs::is_directory(fs::symlink_status(path, ignored));
@@ -177,7 +177,7 @@ void flush_to_disk(const fs::path& path, int flags = 0) {
     throw fs::filesystem_error("flush", path, std::error_code(errno, std::generic_category()));
   };
   const int opened = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
-  check(opened, {EACCES});  // one may write to a folder that one may not read
+  check(opened, {EACCES});  // one may be allowed to write to a folder but not to read it
   if (opened == -1) return;
   const int flushed = ::fsync(opened);
   const int reason = errno;
@@ -188,7 +188,7 @@ void flush_to_disk(const fs::path& path, int flags = 0) {
 
 void flush_folder(const fs::path& folder) { flush_to_disk(folder, O_DIRECTORY); }
 
-/// All that lies in a folder, and the folder itself.
+/// Flushes everything in a folder, and the folder itself.
 void flush_tree(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_symlink()) continue;
@@ -255,15 +255,15 @@ void fill_stream(const fs::path& path, const fs::path& temporary,
   if (!stream) throw output_error(path, reason());
 }
 
-/// Puts `temporary` in the place of what is at `place`. Where the file system cannot exchange the
-/// two in one step, a process that is killed between two renames leaves the old folder under a
-/// hidden name that nobody removes.
+/// Puts `temporary` in the place of what is at `place`. If the file system cannot exchange the two
+/// in one step, a process that is killed between two renames leaves the old folder under a hidden
+/// name that nobody removes.
 void swap_in(const fs::path& temporary, const fs::path& place) {
   if (!fs::exists(place)) {
     fs::rename(temporary, place);
     return;
   }
-  // What was there goes with the temporary.
+  // The old folder is removed with the temporary.
   if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, place.c_str(), RENAME_EXCHANGE) == 0)
     return;
   const fs::path old = unique_name(place, ".palpate-old-");

@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// What happened before `leave(place)` on one thread has happened before what follows
-/// `enter(place)` on another. oneTBB guarantees this order between its tasks, but ThreadSanitizer
-/// cannot see into the library, so it is told here. Without that sanitizer both do nothing.
+/// Everything before `leave(place)` on one thread happens before everything after `enter(place)` on
+/// another. oneTBB guarantees this order between its tasks, but ThreadSanitizer cannot see into the
+/// library, so it is told here. Without that sanitizer both do nothing.
 inline void leave([[maybe_unused]] void* place) {
 #ifdef PALPATE_THREAD_SANITIZER
   __tsan_release(place);

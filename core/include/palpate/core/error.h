@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// Root of all exceptions of Palpate. The message names the file or argument and the place in it,
-/// what was found, and what would be right.
+/// Base class of all exceptions of Palpate. The message names the file or argument and the position
+/// in it, what was found, and what is expected.
 struct Error : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -52,7 +52,7 @@ struct SolverError : Error {
   using Error::Error;
 };
 
-/// A device that does not answer, or answers what cannot be.
+/// A device that does not answer, or whose answer is not valid.
 struct DeviceError : Error {
   using Error::Error;
 };

@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// What a list of fields says of one field, beside its value and its range.
+/// Description of one field in a list of fields, without its value and its range.
 struct Field {
   std::string_view name;  ///< as in C++ and Python, "min_signal"; on the command line --min-signal
   /// One sentence for users, without the unit, the range and the default, which follow it.
@@ -22,20 +22,20 @@ struct Field {
   /// "mm", "px"; "rad": an angle, which the command line takes in degrees; empty: a plain number
   std::string_view unit = {};
   bool expert = false;  ///< few users set it: --help-all shows it, and --help does not
-  /// For a list that the command line takes item by item: the name of one, "anchor" of "anchors".
+  /// For a list that the command line takes item by item: the name of one, "anchor" for "anchors".
   std::string_view item = {};
 };
 
 /// The value of a field that is a number.
 template <typename Number>
 struct NumberField {
-  std::optional<Number> value;  ///< none: the field may be left out, and is
+  std::optional<Number> value;  ///< none: the field may be left out, and is left out
   Interval range;
   bool may_be_absent = false;
   std::function<void(std::optional<Number>)> set;
 };
 
-/// The value of a field that is one of some words, by its place among them.
+/// The value of a field that is one of several words, as an index into them.
 struct ChoiceField {
   std::size_t value = 0;
   std::span<const std::string_view> words;
@@ -55,11 +55,11 @@ struct TableField {
   std::function<void(const Rows&)> set;
 };
 
-/// Whoever does something with each field of a struct: checks it, reads or writes it, or makes an
-/// option or a keyword argument of it.
+/// Base class of operations on each field of a struct: to check it, to read or write it, or to make
+/// an option or a keyword argument of it.
 ///
-/// A struct that users fill in has one list of its fields, a function beside it that calls a
-/// visitor for each in turn, and says once what its name, unit, range and meaning are:
+/// A struct that users fill in has one list of its fields: a function beside it that calls a
+/// visitor for each in turn, and states its name, unit, range and meaning in one place:
 ///
 ///     void visit(DecodeOptions& options, FieldVisitor& visitor) {
 ///       visitor.begin("DecodeOptions");
@@ -76,7 +76,7 @@ class FieldVisitor {
   FieldVisitor(const FieldVisitor&) = delete;
   FieldVisitor& operator=(const FieldVisitor&) = delete;
 
-  /// Comes first.
+  /// Called first.
   /// \param type name of the struct, "DecodeOptions".
   virtual void begin(std::string_view type) = 0;
 
@@ -105,7 +105,7 @@ class FieldVisitor {
     on_choice(field, {static_cast<std::size_t>(value), words,
                       [&value](auto chosen) { value = static_cast<Enum>(chosen); }});
   }
-  /// The same with one more word, the last, which stands for none.
+  /// The same with one more word at the end, which stands for no value.
   template <typename Enum>
   void choice(const Field& field, std::optional<Enum>& value,
               std::span<const std::string_view> words) {
@@ -125,7 +125,7 @@ class FieldVisitor {
   virtual void on_table(const Field& field, const TableField& value) = 0;
 };
 
-/// The list of a struct, for functions that take those of any struct.
+/// The list of fields of a struct, for functions that take the list of any struct.
 using FieldList = std::function<void(FieldVisitor&)>;
 
 template <typename Struct>
@@ -137,7 +137,7 @@ template <typename Struct>
 /// -1; it must be in (0, 1)".
 void require_in_range(const FieldList& fields);
 
-/// The options as they are, once checked.
+/// Checks options and returns them unchanged.
 /// \throws InvalidInput as `require_in_range`.
 template <typename Options>
 [[nodiscard]] Options in_range(Options options) {

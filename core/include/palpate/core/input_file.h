@@ -11,11 +11,11 @@
 
 namespace palpate {
 
-/// The whole content of a file, or what comes through a pipe until it is closed.
+/// Returns the whole content of a file, or everything that a pipe sends until it is closed.
 /// \throws FileError if it is missing, neither a regular file nor a pipe, empty or unreadable.
 [[nodiscard]] std::string read_input_file(const std::filesystem::path& path);
 
-/// \throws FileError naming `file` if `needed` bytes are beyond the limit (`memory_limit.h`).
+/// \throws FileError naming `file` if `needed` bytes exceed the limit (`memory_limit.h`).
 void check_memory_to_read(double needed, double file_size, const std::string& file);
 
 /// Line number, from 1, of the character at `offset`.

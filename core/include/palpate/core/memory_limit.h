@@ -12,11 +12,11 @@ inline constexpr double kMemoryOfFile = 64;
 /// ... and this more [bytes], unless the user allows more:
 inline constexpr double kMemoryAllowance = 512e6;
 
-/// The environment variable that allows to read what takes up to so many GB, for programs and for
-/// those who use them.
+/// The environment variable that raises the memory limit of reading a file [GB], for programs and
+/// for their users.
 inline constexpr const char* kMemoryVariable = "PALPATE_MAX_READ_GB";
 
-/// For compressed content, before memory is taken; what is not compressed needs less.
+/// Checks compressed content before memory is allocated; content without compression needs less.
 /// \param needed [bytes] to read the file.
 /// \param file_size [bytes]
 /// \return what is wrong, as the end of a sentence about the file, if that is beyond the limit.

@@ -6,9 +6,9 @@
 
 namespace palpate {
 
-/// The address of the symbol `palpate_<name>` in the module `name` of palpate. Modules hold what
-/// needs many shared libraries that most runs do not use. They lie beside this library, and stay
-/// loaded from their first use on. Any thread may call this.
+/// Returns the address of the symbol `palpate_<name>` in the module `name` of palpate. Modules hold
+/// code that needs many shared libraries and that most runs do not use. They lie beside this
+/// library, and stay loaded after their first use. Any thread may call this.
 /// \throws Unavailable if the module is missing, or a library that it needs.
 [[nodiscard]] const void* module_symbol(const std::string& name);
 

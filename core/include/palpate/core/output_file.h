@@ -43,7 +43,7 @@ void write_folder(const std::filesystem::path& path,
                   const std::vector<std::filesystem::path>& entries,
                   const std::function<void(const std::filesystem::path&)>& write);
 
-/// The check with which `write_folder` begins, for callers that compute for long before they write.
+/// The check that `write_folder` does first, for callers that compute for long before they write.
 /// \throws InvalidInput if `path` is not a folder, or holds something that is not among `entries`.
 void check_replaceable(const std::filesystem::path& path,
                        const std::vector<std::filesystem::path>& entries);
@@ -53,9 +53,9 @@ void check_replaceable(const std::filesystem::path& path,
 /// a process.
 void remove_left_overs(const std::filesystem::path& folder);
 
-/// Removes the temporaries that this process is writing, for a program that ends at once while
-/// other threads write. A thread that comes to the beginning or the end of a file afterwards waits
-/// for ever: nothing but `_exit` may follow.
+/// Removes the temporaries that this process is writing, for a program that exits at once while
+/// other threads write. A thread that then begins or ends a file waits for ever: the program may
+/// only call `_exit` afterwards.
 void abandon_temporaries();
 
 }  // namespace palpate

@@ -44,14 +44,14 @@ struct Interval {
 [[nodiscard]] constexpr Interval above(double low) { return {.low = low, .low_open = true}; }
 [[nodiscard]] constexpr Interval finite() { return Interval{}.finite(); }
 
-/// What a message says after "it must be": "> 0", ">= 0 and finite", "in (0, 1]", "finite". Pi and
-/// pi/2 have their names.
+/// The words that a message has after "it must be": "> 0", ">= 0 and finite", "in (0, 1]",
+/// "finite". Pi and pi/2 have their names.
 [[nodiscard]] std::string to_string(const Interval& range);
 
-/// What a message says of a value outside its range: "is -1 mm; it must be > 0".
+/// The words of a message about a value outside its range: "is -1 mm; it must be > 0".
 [[nodiscard]] std::string refusal(double value, const Interval& range, std::string_view unit = {});
 
-/// Checks an argument or an option. The message has one form everywhere:
+/// Checks an argument or an option. The message always has the same form:
 /// "DecodeOptions::min_signal is -1; it must be in (0, 1)".
 /// \param name of the argument, or of the field with its struct or its place in a file
 /// \param unit of value and range, such as "mm"; empty for a plain number

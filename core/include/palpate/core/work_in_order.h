@@ -17,11 +17,11 @@ void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
 /// Works on a sequence of items in parallel, in bounded memory: takes items from `next` until there
 /// are no more, calls `work` on each, and passes them to `deliver` in the order in which they came.
 ///
-/// Which calls overlap in time: `work` runs in several threads at once, on different items. `next`
-/// is called by one thread at a time, and so is `deliver`, but not always by the same one. `next`,
-/// `work` and `deliver` overlap with one another. So data that only `next` or only `deliver` uses
-/// need no lock; data that two of the three use must be constant or locked. An item is in one call
-/// at a time: what belongs to it is best kept in it.
+/// Calls overlap in time as follows. `work` runs in several threads at once, on different items.
+/// `next` is called by one thread at a time, and so is `deliver`, but not always by the same one.
+/// `next`, `work` and `deliver` overlap with one another. So data that only `next` or only
+/// `deliver` uses need no lock; data that two of the three use must be constant or locked. An item
+/// is in one call at a time: data that belong to it are best kept in it.
 ///
 /// At most `max_live` items are between `next` and the end of their `deliver`. An exception of any
 /// of the three ends the work and passes through; items that came before may then be missing from

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Counts the steps of some work for the `progress` of its options, which may be empty, and which
-/// ends the work if it throws.
+/// Counts the steps of a task and reports them to the `progress` of its options, which may be
+/// empty, and which ends the task if it throws.
 class WorkSteps {
  public:
   using Progress = std::function<void(int done, int total)>;
@@ -16,13 +16,13 @@ class WorkSteps {
   /// \param total largest number of steps, >= 1; they may be fewer.
   WorkSteps(const Progress& progress, int total) : progress_(progress), total_(total) {}
 
-  /// Tells that so many more steps are done; 0: that the work goes on.
+  /// Reports that `more` further steps are done; 0: that the task is still running.
   void tell(int more = 1) {
     done_ = std::min(done_ + more, total_ - 1);
     if (progress_) progress_(done_, total_);
   }
 
-  /// Tells that all is done.
+  /// Reports that all steps are done.
   void end() const {
     if (progress_) progress_(total_, total_);
   }
