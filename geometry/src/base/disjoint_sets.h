@@ -20,7 +20,7 @@ class SignedSets {
 
   struct Root {
     int root;
-    bool turned;  ///< whether the sign differs from the root's
+    bool turned;  ///< true if the sign differs from the root's
   };
   Root root_of(int member) {
     int root = member;
@@ -29,7 +29,7 @@ class SignedSets {
       turned = turned != is_turned(root);
       root = parent(root);
     }
-    // Then all on the way point to the root.
+    // Path compression: all members on the way then point to the root.
     for (bool left = turned; parent(member) != root && member != root;) {
       const int next = parent(member);
       const bool step = is_turned(member);
@@ -41,8 +41,8 @@ class SignedSets {
     return {root, turned};
   }
 
-  /// Joins the sets of two members; `turned`: their signs then differ. Without effect if they are
-  /// in the same set.
+  /// Joins the sets of two members; `turned`: their signs then differ. Has no effect if they are in
+  /// the same set.
   void join(int a, int b, bool turned = false) {
     Root low = root_of(a), high = root_of(b);
     if (low.root == high.root) return;

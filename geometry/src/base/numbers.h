@@ -13,7 +13,7 @@ namespace palpate::geometry {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// In place of an index where there is none.
+/// Stands for a missing index.
 inline constexpr int kNone = -1;
 
 /// The smallest of the values that is >= the given fraction of them; not interpolated.

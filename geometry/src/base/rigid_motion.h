@@ -6,7 +6,7 @@
 
 namespace palpate::geometry {
 
-/// Whether a pose is a rotation and a finite translation, which its type does not ensure.
+/// Returns true if a pose is a rotation and a finite translation, which its type does not ensure.
 [[nodiscard]] inline bool is_rigid(const Eigen::Isometry3d& motion) {
   constexpr double kRotation = 1e-6;  // accepts values rounded to six decimals, as in text files
   return motion.matrix().allFinite() && motion.linear().isUnitary(kRotation) &&

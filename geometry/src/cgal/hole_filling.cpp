@@ -124,7 +124,7 @@ class ComponentSizes {
   ComponentSizes(const TriangleMesh& mesh, const Eigen::Matrix3Xi& opposite)
       : mesh_(mesh), opposite_(opposite), visit_(at(mesh.triangles.cols()), 0) {}
 
-  /// Whether the diagonal of the bounding box of the component of a triangle exceeds `limit` [mm].
+  /// Returns true if the bounding box of a triangle's component has a diagonal > `limit` [mm].
   [[nodiscard]] bool exceeds(int triangle, double limit) {
     ++last_visit_;
     Eigen::AlignedBox3d box;
@@ -162,7 +162,7 @@ std::optional<int> triangle_at(const Surface& surface, Surface::Halfedge_index b
   return std::nullopt;
 }
 
-/// The whole mesh with what the filled region has more.
+/// The whole mesh with the vertices and triangles that were added to the region.
 TriangleMesh with_patches(const TriangleMesh& mesh, const BorderRegion& region,
                           const TriangleMesh& filled) {
   const Eigen::Index old_vertices = region.mesh.vertices.cols();

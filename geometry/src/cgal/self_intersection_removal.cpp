@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/self_intersection_removal.h"
 
-// No envelope is asked for. CGAL's warnings would go to stderr; what fails comes as an exception.
+// No envelope is requested. CGAL's warnings would go to stderr; failures are thrown as exceptions.
 #define CGAL_PMP_REMOVE_SELF_INTERSECTION_NO_POLYHEDRAL_ENVELOPE_CHECK
 #define CGAL_NO_WARNINGS
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -27,7 +27,7 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 using Surface = CGAL::Surface_mesh<Point>;
 
-/// What CGAL calls while it works; it copies this.
+/// The callbacks of CGAL, which copies this.
 struct Visitor : pmp::experimental::Remove_self_intersection_default_visitor<Surface> {
   const SelfIntersectionRemovalOptions* options = nullptr;
   int found = 0;
@@ -42,7 +42,7 @@ struct Visitor : pmp::experimental::Remove_self_intersection_default_visitor<Sur
   }
 };
 
-/// Whether the triangles form an oriented manifold. CGAL promises it, but the code is experimental.
+/// Returns true if the triangles form an oriented manifold. CGAL promises it, but is experimental.
 bool is_manifold(const TriangleMesh& mesh) {
   const std::vector<MeshDefect> defects = find_defects(mesh);
   return std::none_of(defects.begin(), defects.end(), [](const MeshDefect& defect) {
@@ -72,7 +72,7 @@ SelfIntersectionRemoval remove_self_intersections(const TriangleMesh& mesh,
   visitor.done = &done;
   const std::string failure = "the self-intersections of the mesh could not be removed: ";
   try {
-    // Only what neighbours can mend, or CGAL would also join surfaces that pass through each other.
+    // Only defects of neighbours, or CGAL would also join surfaces that pass through each other.
     pmp::experimental::remove_self_intersections(
         surface, CGAL::parameters::apply_per_connected_component(false).visitor(visitor));
   } catch (const CGAL::Failure_exception& exception) {

@@ -13,7 +13,7 @@
 
 namespace palpate::geometry {
 
-/// Place of a cell in a grid of cubes.
+/// Position of a cell in a grid of cubes.
 using Cell = Eigen::Matrix<std::int64_t, 3, 1>;
 
 /// Cells along an axis from the origin. Below it a point's cell is found within 2^-12 of its edge.
@@ -32,11 +32,11 @@ inline constexpr double kMostCells = 0x1p40;
   return place.cast<std::int64_t>();
 }
 
-/// Numbers the cells of a grid that have something in them: 0, 1, ... in the order in which they
-/// are first asked for. A hash table with linear probing.
+/// Numbers the occupied cells of a grid: 0, 1, ... in the order in which they are first asked for.
+/// A hash table with linear probing.
 class CellNumbers {
  public:
-  /// The number of a cell, a new one if need be.
+  /// The number of a cell, a new one if it has none.
   int number(const Cell& cell) {
     if (4 * cells_.size() >= 3 * slots_.size()) grow();
     int& slot = slots_[slot_of(cell)];

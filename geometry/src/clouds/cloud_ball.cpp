@@ -29,7 +29,7 @@ using Eigen::Vector4d;
 /// by 15 degrees still vote for the same cell.
 constexpr double kVoteCell = 0.25;
 
-/// Cells with most votes, of which the balls around are fitted.
+/// Number of cells with most votes around which balls are fitted.
 constexpr std::size_t kVotedPlaces = 12;
 
 /// A point belongs to a ball only if its normal differs by less than about 37 degrees from the
@@ -47,13 +47,13 @@ constexpr double kBallRounding = 1e-9;
 constexpr int kLeastBallPoints = 30;
 constexpr double kLargestRms = 0.05;  ///< of the radius
 
-/// Whatever is seen in the middle of a ball is on it, or hides it: of the points whose rays pass
-/// the centre by at most half of the radius, at least this share is on the ball.
+/// Objects seen in the middle of a ball are on it, or hide it: of the points whose rays pass the
+/// centre by at most half of the radius, at least this share is on the ball.
 constexpr double kMiddle = 0.5, kLeastShareOfMiddle = 0.5;
 /// The least eigenvalue of `SeenBall::information`: less is a narrow strip of the ball.
 constexpr double kLeastInformation = 1e-3;
 
-/// What is known of a scene.
+/// The known points of a scene, with their normals.
 struct BallScene {
   Matrix3Xd points, normals;
 };

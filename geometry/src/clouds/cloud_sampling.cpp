@@ -27,9 +27,9 @@ std::uint64_t mixed(std::uint64_t value) {
   return value ^ (value >> 31U);
 }
 
-/// Steps of the least distance in which places count for the order.
+/// Steps into which the least distance is divided to order the places.
 constexpr double kOrderSteps = 1024;
-/// Where steps begin, in steps: places on a grid do not lie between two, where rounding decides.
+/// Start of the steps, in steps: places on a grid are not between two, where rounding decides.
 constexpr double kOrderStart = 0.38196601125;
 
 /// The known points in the order of a hash of their offsets from `origin` in units of the least

@@ -106,7 +106,7 @@ void normalise_normals(Attributes& attributes) {
   set_normals(attributes, *mean);
 }
 
-/// Whether all clouds have an attribute of this name and type, without lists.
+/// Returns true if all clouds have an attribute of this name and type, without lists.
 bool all_have(std::span<const PointCloud> clouds, const Attribute& wanted) {
   return std::all_of(clouds.begin(), clouds.end(), [&](const PointCloud& cloud) {
     const Attribute* const found = find_attribute(cloud.attributes, wanted.name);

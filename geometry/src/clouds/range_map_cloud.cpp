@@ -19,7 +19,7 @@ std::string size_of(Eigen::Index width, Eigen::Index height) {
 
 /// A line through points (x, y), in the least squares of y.
 struct LineFit {
-  double count = 0, x = 0, y = 0, xx = 0, xy = 0;  // means, and sums of products beside them
+  double count = 0, x = 0, y = 0, xx = 0, xy = 0;  // means, and sums of products about them
 
   void add(double at, double value) {
     ++count;

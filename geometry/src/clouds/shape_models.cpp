@@ -93,7 +93,7 @@ std::optional<CylinderModel> cylinder_through(std::span<const Vector3d, 2> point
   const Vector3d cross = normals[0].cross(normals[1]);
   if (!(cross.norm() > kApart)) return std::nullopt;
   const Vector3d axis = cross.normalized();
-  // Where the lines along the normals meet, seen along the axis: p0 + s n0 = p1 + t n1.
+  // The intersection of the lines along the normals, seen along the axis: p0 + s n0 = p1 + t n1.
   const Vector3d between = points[1] - points[0];
   const double s = between.cross(normals[1]).dot(cross) / cross.squaredNorm();
   const double t = between.cross(normals[0]).dot(cross) / cross.squaredNorm();

@@ -37,7 +37,7 @@ class CountedRandom {
   std::uint64_t state_;
 };
 
-/// The known points of a cloud in a local frame, and what the options mean in it.
+/// The known points of a cloud in a local frame, and the options converted to it.
 struct ShapeSearch {
   std::vector<int> known;  ///< their indices
   LocalFrame frame{};
@@ -57,8 +57,8 @@ struct ShapeSearch {
 [[nodiscard]] ShapeSearch prepare_search(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                          const CloudShapeOptions& options, int sample);
 
-/// How many samples of `size` points it takes until one of them is on a shape that has this share
-/// of the points, except with a probability of 1e-3; at most 1e6.
+/// Number of samples of `size` points that it takes until one of them is on a shape that has this
+/// share of the points, except with a probability of 1e-3; at most 1e6.
 [[nodiscard]] double trials_needed(double share, int size);
 
 template <typename Model>
@@ -101,7 +101,7 @@ template <typename Model, typename Propose>
 [[nodiscard]] std::optional<FoundShape<Model>> search_shape(const ShapeSearch& search, int sample,
                                                             const Propose& propose) {
   if (search.size() < search.least || search.points.cols() == 0) return std::nullopt;
-  constexpr int kBatch = 128;  // trials between two looks at how many are still needed
+  constexpr int kBatch = 128;  // trials between two updates of the number needed
   struct Trial {
     std::optional<Model> model;
     double score = 0;

@@ -97,7 +97,7 @@ class Loop {
     return i < vertices_.size() ? arc_[i] : arc_.back() + arc_[i - vertices_.size()];
   }
 
-  /// Where the chain has to be split; `begin` if this is not needed or not possible.
+  /// The index at which the chain has to be split; `begin` if this is not needed or not possible.
   [[nodiscard]] size_t cut(size_t begin, size_t end, double spacing) const {
     if (end - begin < 2) return begin;
     size_t furthest = begin;

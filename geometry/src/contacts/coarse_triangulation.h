@@ -62,12 +62,12 @@ class CoarsenedSurface {
   std::vector<WeightRow> rows_;  ///< by id, of vertices
 };
 
-/// What comes before either method: the positions of the contacts, 3 x k [mm].
+/// The first step of both methods: the positions of the contacts, 3 x k [mm].
 /// \throws InvalidInput as `triangulate_contacts`.
 [[nodiscard]] Eigen::Matrix3Xd places_of_contacts(const TriangleMesh& surface,
                                                   std::span<const SurfacePoint> contacts);
 
-/// What comes after either method: keeps only one fan of triangles at each contact, and lists the
+/// The last step of both methods: keeps only one fan of triangles at each contact, and lists the
 /// contacts without any. `places`: positions of the contacts [mm].
 [[nodiscard]] ContactTriangulation with_manifold_vertices(TrianglesOfContacts found,
                                                           Eigen::Matrix3Xd places);

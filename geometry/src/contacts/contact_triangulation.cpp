@@ -190,7 +190,7 @@ ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
                                           std::span<const SurfacePoint> contacts,
                                           const ContactTriangulationOptions& options) {
   Eigen::Matrix3Xd places = places_of_contacts(surface, contacts);
-  // The vertices to be removed, and what follows.
+  // One step for each vertex to be removed, and one for the rest.
   WorkSteps steps(options.progress, static_cast<int>(surface.vertices.cols()) + 1);
   const bool by_dual = options.method == ContactTriangulationMethod::voronoi_dual;
   TrianglesOfContacts found = by_dual

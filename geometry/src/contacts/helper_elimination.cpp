@@ -198,8 +198,8 @@ class ContactTriangles {
            !normal_of_side_.contains({c, a});
   }
 
-  /// Whether an angle exceeds the limit at the rim; a contact that has no triangle yet also accepts
-  /// flatter ones.
+  /// Returns true if an angle exceeds the limit at the rim; a contact that has no triangle yet also
+  /// accepts flatter ones.
   [[nodiscard]] bool is_too_flat(const std::array<int, 3>& corners, bool for_single) const {
     const bool is_single = std::ranges::any_of(corners, [&](int c) { return !used_.contains(c); });
     const double largest = for_single && is_single ? kLargestAngle : kLargestRimAngle;

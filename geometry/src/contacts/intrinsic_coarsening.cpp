@@ -270,8 +270,8 @@ class Coarsening {
     return a == b || surface_.are_joined(a, b);
   }
 
-  /// Whether the three links of the star border the same triangle, which with the star forms a
-  /// closed surface.
+  /// Returns true if the three links of the star border the same triangle, which with the star
+  /// forms a closed surface.
   [[nodiscard]] bool is_closed_by_one_triangle() const {
     std::array<int, 3> across{};
     for (size_t i = 0; i < 3; ++i) {

@@ -59,9 +59,9 @@ class IntrinsicTriangulation {
   /// The half-edges that leave a vertex, counter-clockwise.
   void fan(int v, std::vector<int>& half_edges) const;
 
-  /// Whether there is an edge between two vertices.
+  /// Returns true if two vertices are joined by an edge.
   [[nodiscard]] bool are_joined(int a, int b) const;
-  /// Whether a flip would duplicate an existing edge or join a vertex to itself.
+  /// Returns true if a flip would duplicate an existing edge or join a vertex to itself.
   [[nodiscard]] bool flip_repeats_edge(int h) const {
     const int c = from(previous(h));
     const int d = from(previous(opposite(h)));
@@ -86,7 +86,7 @@ class IntrinsicTriangulation {
   /// (within rounding); existing lengths do not change.
   void make_vertex(int id);
 
-  /// Whether the angles opposite an edge sum to at most pi, within rounding.
+  /// Returns true if the angles opposite an edge sum to at most pi, within rounding.
   [[nodiscard]] bool is_delaunay(int h) const;
   /// Exchanges the diagonal of the two triangles at an edge. Returns false without a change if the
   /// quadrilateral is not strictly convex or the edge has only one triangle.

@@ -85,8 +85,8 @@ Eigen::Matrix3Xd contact_normals(const TriangleMesh& surface, const GeodesicDist
   return normals.colwise().normalized();
 }
 
-/// Whether the triangle is flipped relative to the surface at its contacts, or has no area. On a
-/// closed surface with contacts on one side only, this applies to the cells that meet behind it.
+/// Returns true if the triangle is flipped relative to the surface at its contacts, or has no area.
+/// On a closed surface with contacts on one side, this applies to the cells that meet behind it.
 bool folds_over(const std::array<int, 3>& contacts, const Eigen::Matrix3Xd& places,
                 const Eigen::Matrix3Xd& normals) {
   const auto& [a, b, c] = contacts;

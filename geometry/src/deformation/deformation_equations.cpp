@@ -26,8 +26,8 @@ constexpr int kPairs = DeformationGraph::kInfluences * (DeformationGraph::kInflu
 /// threads.
 constexpr std::size_t kParts = 8;
 
-/// Each node is held at its anchor by this fraction of the stiffness, so that what neither data nor
-/// neighbours determine (a sheet that slides in itself, a piece that is not seen) stays.
+/// Each node is held at its anchor by this fraction of the stiffness, so that parts that neither
+/// data nor neighbours determine (a sheet that slides in itself, a piece that is not seen) stay.
 constexpr double kAnchor = 0.005;
 
 /// Growth of the whole surface costs this fraction of what it would cost if each link stretched.
@@ -89,7 +89,7 @@ DeformationEquations::DeformationEquations(const DeformationGraph& graph, std::v
   solver_.analyzePattern(matrix_);
 }
 
-/// Of the distance of a vertex along a normal, with respect to the unknowns of one of its nodes.
+/// Derivative of the distance of a vertex along a normal by the unknowns of one of its nodes.
 DeformationEquations::Vector6d DeformationEquations::derivative(
     int vertex, int influence, const Eigen::Vector3d& normal,
     const std::vector<Eigen::Isometry3d>& motions) const {
@@ -242,8 +242,8 @@ double DeformationEquations::scale_of(const std::vector<Eigen::Isometry3d>& moti
                     kMostScale);
 }
 
-/// The second derivative with respect to the scale if the nodes follow it: at least what holds it.
-/// A strongly bent surface that nothing attracts has less.
+/// The second derivative with respect to the scale if the nodes follow it: at least that of the
+/// term that holds the scale. A strongly bent surface that nothing attracts has less.
 double DeformationEquations::left_of_scale(const Sums& sums,
                                            const Eigen::VectorXd& moves_per_scale) const {
   const double held = kScale * sums.of_scale_twice;

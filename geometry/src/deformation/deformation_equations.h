@@ -37,35 +37,35 @@ class DeformationEquations {
   /// (RMS), with rotations measured at the spacing of the nodes.
   /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
-  /// \param hold  with which nodes are held where they are in the graph
-  /// \param scale  of the links at rest; is changed, too, if it is free
+  /// \param hold strength with which nodes are held at their places in the graph
+  /// \param scale of the links at rest; is also changed if it is free
   double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::Matrix3Xd& anchors,
               double hold, bool scale_is_free, double& scale,
               std::vector<Eigen::Isometry3d>& motions);
 
-  /// How a change of what the equations are made from changes their solution.
+  /// Change of the solution that a change of the data of the equations causes.
   struct Response {
     Eigen::VectorXd moves;  ///< 6N [mm]: rotation of each node times the spacing, translation
     double scale = 0;       ///< change of the scale
   };
 
-  /// Prepares the responses at a solution, of which anchors and `hold` are no part.
+  /// Prepares the responses at a solution; the equations are then without anchors and `hold`.
   /// \param damping of all moves, relative to the weight of the data; > 0
-  /// \return whether the equations can be solved; otherwise there are no responses
+  /// \return true if the equations can be solved; otherwise there are no responses
   bool linearize(std::span<const PlanePair> pairs, double stiffness, double damping,
                  bool scale_is_free, double scale, const std::vector<Eigen::Isometry3d>& motions);
 
-  /// To errors of the distances of the first pairs, [mm].
+  /// Response to errors of the distances of the first pairs, [mm].
   [[nodiscard]] Response response_to_distances(std::span<const PlanePair> pairs,
                                                std::span<const double> errors) const;
 
-  /// To links that are longer at rest, by E fractions of their length.
+  /// Response to links that are longer at rest, by E fractions of their length.
   [[nodiscard]] Response response_to_links(const Eigen::VectorXd& stretch) const;
 
-  /// To moves from where the damping holds the nodes.
+  /// Response to moves of the places at which the damping holds the nodes.
   [[nodiscard]] Response response_to_moves(const Eigen::VectorXd& moves) const;
 
-  /// To the end of what pulls the scale to 1.
+  /// Response to the removal of the pull of the scale towards 1.
   [[nodiscard]] Response response_to_scale() const;
 
   /// The links at rest as they lie in the deformed surface, 3 x E [mm].
@@ -95,14 +95,14 @@ class DeformationEquations {
                    const std::vector<Eigen::Isometry3d>& motions, Sums& sums) const;
   void fill_matrix(const Sums& sums, double damping);
 
-  /// What `linearize` prepares.
+  /// Data that `linearize` prepares.
   struct Linearization {
     std::vector<Eigen::Isometry3d> motions;
     Eigen::Matrix3Xd arms;
     double stiffness = 0;
     double damping = 0;
     double scale = 1;
-    double scale_held = 0;  ///< second derivative of what pulls the scale to 1
+    double scale_held = 0;  ///< second derivative of the term that pulls the scale to 1
     double scale_left = 0;  ///< second derivative by the scale if the nodes follow; 0: not free
     Eigen::VectorXd of_scale_and_nodes;
     Eigen::VectorXd moves_per_scale;

@@ -64,7 +64,7 @@ class EdgeLists {
     return std::span(ends_).subspan(first_[v], first_[v + 1] - first_[v]);
   }
   [[nodiscard]] bool is_loose(int vertex) const { return at(vertex).empty(); }
-  /// Whether an edge of the vertex belongs to one triangle only.
+  /// Returns true if an edge of the vertex belongs to one triangle only.
   [[nodiscard]] bool is_at_border(int vertex) const {
     return at_border_[static_cast<std::size_t>(vertex)] != 0;
   }

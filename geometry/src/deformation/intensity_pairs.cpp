@@ -68,7 +68,7 @@ ImageF blurred(const ImageF& image, double deviation) {
   return is_known.select(sum / weight, std::numeric_limits<float>::quiet_NaN());
 }
 
-/// What a T + b is fitted by: sums over samples.
+/// Sums over samples, to fit a T + b.
 struct LightSums {
   double count = 0, t = 0, i = 0, tt = 0, ti = 0, ii = 0;
 
@@ -103,7 +103,7 @@ Light light_of(const LightSums& sums, double gain_of_all) {
   return {gain, (sums.i - gain * sums.t) / sums.count, explained};
 }
 
-/// Of the samples around each node, those of linked nodes included.
+/// The lights of the samples around each node, with those of linked nodes.
 std::vector<Light> lights(const DeformationGraph& graph, std::span<const IntensitySample> samples,
                           std::span<const IntensityAt> seen, const Eigen::VectorXf& reference) {
   std::vector<LightSums> own(static_cast<std::size_t>(graph.nodes().cols()));

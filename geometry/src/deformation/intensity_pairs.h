@@ -18,13 +18,13 @@ struct IntensityAt {
   Eigen::Vector3d gradient;  ///< [1/mm] with respect to the point
 };
 
-/// An image, blurred by each of kIntensityBlurs.
+/// An image, blurred with each of kIntensityBlurs standard deviations.
 class BlurredImages {
  public:
   /// \throws InvalidInput unless the camera is valid and the image of its size.
   BlurredImages(const Camera& camera, const ImageF& image);
 
-  /// What the image shows of a point.
+  /// Returns the intensity of the image at a point, and its derivative.
   /// \param blur index of kIntensityBlurs
   [[nodiscard]] IntensityAt at(const Eigen::Vector3d& point, int blur) const;
   /// [mm] of a pixel that shows a point
@@ -46,12 +46,12 @@ struct IntensitySample {
 };
 
 /// Pairs that move samples to where the image shows their intensity: the derivative of the image in
-/// the place of the plane's normal, and the difference of intensities, I - (a T + b), in that of
+/// place of the normal of the plane, and the difference of intensities, I - (a T + b), in place of
 /// the distance. The gain a and the offset b are fitted around each node, so that light may change
-/// from frame to frame and from place to place. A pair weighs, relative to one of a plane, the
-/// ratio of the variances of both kinds of residuals, where depths count as exact to a twentieth of
-/// a pixel at best; Tukey's biweight; and the share of the
-/// variance of I that a T explains, which is about 0 where the image shows only noise.
+/// from frame to frame and from place to place. The weight of a pair, relative to one of a plane,
+/// is a product: the ratio of the variances of both kinds of residuals, for which depths count as
+/// exact to a twentieth of a pixel at best; Tukey's biweight; and the share of the variance of I
+/// that a T explains, which is about 0 if the image shows only noise.
 /// \param reference T, of each vertex, for the blurs
 [[nodiscard]] std::vector<PlanePair> intensity_pairs(const DeformationGraph& graph,
                                                      const BlurredImages& images,

@@ -28,9 +28,9 @@ constexpr double kMinSpread = 1e-3;
 
 /// A pixel is at a border if those of its surface within this many rows and columns lie to one side
 /// of it: their mean is further than kMaxOffCentre from it. Sensors with windows of several pixels,
-/// as those for fringes, mix what is on both sides there: depths of decoded frames were wrong by
-/// 1 mm up to four pixels from an edge, and pulled a surface 2 mm along itself. Holes of single
-/// pixels and thin surfaces, which have borders on both sides, are not affected.
+/// such as those for fringes, mix both sides there: depths of decoded frames were wrong by 1 mm up
+/// to four pixels from an edge, and pulled a surface 2 mm along itself. Holes of single pixels and
+/// thin surfaces, which have borders on both sides, are not affected.
 constexpr Eigen::Index kBorder = 4;
 constexpr double kMaxOffCentre = 0.35;  // px; 0.5 if the edge is within kBorder - 1
 

@@ -46,7 +46,7 @@ constexpr int kMaxStepsOfLevel = 4;
 /// The same for the last level. Smaller motions are due to changing pixels, not to the surface.
 constexpr double kSettled = 1e-3;
 
-/// What limits the correspondences of one iteration.
+/// Limits of the correspondences of one iteration.
 struct Gate {
   double distance;    ///< [mm]
   double min_cosine;  ///< of the angle between the normals
@@ -237,7 +237,7 @@ class Fit {
             std::cos(options_.max_normal_angle)};
   }
 
-  /// What is held does not change as a whole.
+  /// A surface that is held does not grow or shrink as a whole.
   [[nodiscard]] bool may_grow() const { return options_.hold == 0; }
 
   void iterate(bool is_tracked) {

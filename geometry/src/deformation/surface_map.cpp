@@ -70,7 +70,7 @@ void check_topology(const TriangleMesh& source, const TriangleMesh& target) {
           euler_characteristic(target));
 }
 
-// Whether points lie nearly in a line.
+// Returns true if points lie nearly in a line.
 bool in_line(const Eigen::Matrix3Xd& points) {
   const Eigen::MatrixXd offsets = points.colwise() - points.rowwise().mean().eval();
   const Eigen::VectorXd spread = offsets.jacobiSvd().singularValues();

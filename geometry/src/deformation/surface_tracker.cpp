@@ -15,7 +15,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// More nodes than a graph can be solved with, and steps than a frame can need.
+/// Upper limits: a graph with more nodes cannot be solved, and no frame needs more steps.
 constexpr int kMostNodes = 100000;
 constexpr int kMostSteps = 10000;
 
@@ -71,7 +71,7 @@ TrackingFigures figures_of(const DeformedSurface& surface, const Eigen::Matrix3X
           .settled = surface.stop == NonRigidStop::converged};
 }
 
-/// Why the surface was not found; empty if it was.
+/// The reason why the surface was not found; empty if it was.
 std::string loss(const TrackingFigures& figures, const TrackingOptions& options, bool is_first) {
   if (figures.visible < options.min_visible) {
     return fmt::format(

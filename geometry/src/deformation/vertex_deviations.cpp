@@ -49,7 +49,7 @@ int main_node(const DeformationGraph& graph, int vertex) {
   return graph.influences()(nearest, vertex);
 }
 
-/// Of a vertex of the deformed surface, without the noise of single ones.
+/// Position of a vertex of the deformed surface, without the noise of single ones.
 Eigen::Vector3d place_of(const DeformationGraph& graph,
                          const std::vector<Eigen::Isometry3d>& motions, int vertex) {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
@@ -141,7 +141,7 @@ std::vector<PlanePair> without_noise(const DeformationGraph& graph, std::span<co
   return pairs;
 }
 
-/// Of the distances; 0 if there are none.
+/// Deviation of the distances; 0 if there are none.
 double noise_of(std::span<const PlanePair> pairs) {
   std::vector<double> distances;
   for (const PlanePair& pair : pairs)
@@ -186,7 +186,7 @@ double normal(std::mt19937_64& random) {
   return length * std::cos(2 * std::numbers::pi * uniform(random));
 }
 
-/// Each is +- its deviation.
+/// Random errors, each plus or minus its deviation.
 std::vector<double> random_errors(const FittedGraph& fitted, const Noise& noise,
                                   std::mt19937_64& random) {
   std::vector<double> errors(fitted.measured);
@@ -317,7 +317,7 @@ std::vector<Response> changes_of(const DeformationGraph& graph,
   parallel_for(kDraws, [&](std::size_t draw) {
     std::mt19937_64 random(draw);
     Response& of_noise = changes[draw];
-    // With the planes as they are: their noise does not tell motions, but passes errors on.
+    // With the planes as they are: their noise does not show motions, but passes errors on.
     of_noise = equations.response_to_distances(fitted.pairs, random_errors(fitted, noise, random));
     // Of a surface that is stretched, which the links at rest are not.
     Response& of_strain = changes[kDraws + draw];
@@ -330,7 +330,7 @@ std::vector<Response> changes_of(const DeformationGraph& graph,
   const double shown = mean_of(by_strain);
   double strain = 0;
   if (shown > 0) {
-    // What noise may hide is strain, too.
+    // Strain that noise may hide counts, too.
     const double seen =
         std::max(links.square_of(fitted.motions) - mean_of(by_noise), 0.0) + deviation_of(by_noise);
     strain = std::min(seen / shown, kMostStrain * kMostStrain);

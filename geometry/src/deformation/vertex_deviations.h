@@ -13,7 +13,7 @@
 
 namespace palpate::geometry {
 
-/// A solution of the equations, and what it was made from.
+/// A solution of the equations, and the data that it was computed from.
 struct FittedGraph {
   std::vector<Eigen::Isometry3d> motions;
   double scale = 1;
@@ -24,8 +24,8 @@ struct FittedGraph {
   /// One per sample of the equations: first those of measured planes, then those of intensities,
   /// then those without errors.
   std::vector<PlanePair> pairs;
-  std::size_t planes = 0;    ///< how many of `pairs` are planes
-  std::size_t measured = 0;  ///< how many of `pairs` have errors
+  std::size_t planes = 0;    ///< number of `pairs` that are planes
+  std::size_t measured = 0;  ///< number of `pairs` that have errors
 };
 
 /// Standard deviations of the places of vertices, V each [mm]; NaN in pieces of surface of which
@@ -42,7 +42,7 @@ struct VertexDeviations {
 ///   measurements, so it is large where the measurements hardly show strain.
 /// - of the scale, which the equations pull to 1.
 /// - of the motion of the whole surface, which is `reach` where nothing shows it.
-/// Noise turns the planes of single pixels as relief does, and would seem to tell motions along the
+/// Noise turns the planes of single pixels as relief does, and would seem to show motions along the
 /// surface. The sensitivity of the equations is therefore that to mean planes around nodes, of
 /// which the noise is removed.
 /// \param equations of the graph; they are linearised

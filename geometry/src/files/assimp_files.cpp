@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What is checked before assimp reads a file, and done with what it read.
+// The checks before assimp reads a file, and the conversion of its result.
 #include "files/assimp_files.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ void check_sparse_accessors(std::string_view json, std::size_t file_size, const 
   check_memory_to_read(needed, static_cast<double>(file_size), file);
 }
 
-/// Returns the JSON of a binary glTF file. Assimp believes the lengths in it, and takes up to 4 GB
+/// Returns the JSON of a binary glTF file. Assimp trusts the lengths in it, and takes up to 4 GB
 /// for each.
 /// \throws FileError if they are not those of the file.
 std::string_view checked_glb_json(std::string_view bytes, const std::string& file) {

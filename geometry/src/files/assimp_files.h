@@ -21,10 +21,10 @@ struct GlbMesh {
   std::optional<Eigen::Matrix4Xd> colors;   ///< 4 x V, in [0, 1]
 };
 
-/// What the module `assimp` does, which needs assimp's readers of many formats.
+/// Functions of the module `assimp`, which needs assimp's readers of many formats.
 struct AssimpFiles {
-  /// What is in a file, in its unit, with a vertex for each corner if the format repeats them.
-  /// Parameters and errors: `read_assimp_scene`.
+  /// Reads the content of a file, in its unit, with a vertex for each corner if the format repeats
+  /// them. Parameters and errors: `read_assimp_scene`.
   PolygonMesh (*read)(const std::filesystem::path& path, std::string_view content,
                       const std::string& ending);
   /// Errors: `write_glb`.

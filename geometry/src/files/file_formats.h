@@ -44,8 +44,8 @@ void write_obj(std::ostream& stream, const MeshFile& file);
 /// \throws FileError naming the triangle or line that is not valid, or if the file is truncated.
 [[nodiscard]] PolygonMesh read_stl(std::string_view content, const std::string& file);
 
-/// Whether the content has the size that a binary STL file announces. Many begin with "solid" as
-/// texts do.
+/// Returns true if the content has the size that a binary STL file declares. Many begin with
+/// "solid" as texts do.
 [[nodiscard]] bool is_binary_stl(std::string_view content);
 
 /// Writes binary (float) or text (enough digits to read back the same numbers), with the normals of
@@ -62,7 +62,7 @@ void write_glb(std::ostream& stream, const MeshFile& file, const char* what);
 /// on VTK.
 void write_vtk(std::ostream& stream, const MeshFile& file);
 
-/// Reads text OFF with its comments. Colours and normals are read if the first word announces them
+/// Reads text OFF with its comments. Colours and normals are read if the first word declares them
 /// (COFF, NOFF, CNOFF, with or without ST) and every vertex has them; data after a face is skipped.
 /// Assimp is not used because it silently replaces an invalid index by a valid one.
 /// \throws FileError naming the line if a vertex or a face is wrong, or if the file is truncated.

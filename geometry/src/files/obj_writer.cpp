@@ -26,7 +26,7 @@ void put(std::string& text, const char* keyword, const Row& numbers) {
   }
 }
 
-/// The lines of the texture, each place once, and where the corners are among them.
+/// The texture lines of the file, each place once, and the line of each corner.
 class TextureLines {
  public:
   explicit TextureLines(const CornerTexture& texture) {

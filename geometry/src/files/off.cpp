@@ -70,7 +70,7 @@ class OffLines {
   std::size_t offset_ = 0;
 };
 
-/// Per-vertex data after the coordinates, announced by the first word, in this order.
+/// Per-vertex data after the coordinates, declared by the first word, in this order.
 struct Layout {
   bool normals = false;
   bool colors = false;
@@ -108,7 +108,7 @@ class VertexColumns {
       columns_[i].values.push_back(lines.number<double>(words));
   }
 
-  /// Empty unless every vertex has everything that was announced.
+  /// Empty unless every vertex has all declared data.
   [[nodiscard]] Attributes result() const {
     Attributes attributes;
     if (!complete_) return attributes;

@@ -14,7 +14,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// How many numbers each point has.
+/// Number of values that a field has for each point.
 int count_of(const Attribute& field) {
   return field.list_sizes.empty() ? 1 : field.list_sizes.front();
 }

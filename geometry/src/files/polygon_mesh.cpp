@@ -164,7 +164,7 @@ Attribute of_elements(const Attribute& attribute, const std::vector<std::size_t>
 }
 
 /// The places of the triangles' corners in the texture, from those of the corners of polygons. None
-/// where the list does not fit the polygon.
+/// if the list does not fit the polygon.
 Attribute texture_of_corners(const Attribute& attribute, const PolygonMesh& mesh,
                              const std::vector<Eigen::Vector3i>& triangles,
                              const std::vector<std::size_t>& face_of) {
@@ -206,8 +206,8 @@ std::uint64_t hash_of(const Eigen::Vector3d& place) {
   return hash ^ (hash >> 32);
 }
 
-/// Numbers different places in the order in which they come. A table without links: places that
-/// hash alike are in the next free rows.
+/// Numbers different places in the order in which they come. A table without links: places with
+/// equal hashes are in the next free rows.
 class PlaceNumbers {
  public:
   explicit PlaceNumbers(std::size_t most_places)

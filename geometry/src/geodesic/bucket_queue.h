@@ -10,8 +10,8 @@
 namespace palpate::geometry {
 
 /// Queue of events at distances, nearest bucket first and first in first out within a bucket. This
-/// is sufficient for propagation that corrects what came too early; it needs no sorting and keeps
-/// neighbours together.
+/// is sufficient for propagation that corrects events that came too early; it needs no sorting and
+/// keeps neighbours together.
 /// \tparam Event  has a member `distance`
 template <class Event>
 class BucketQueue {
@@ -28,8 +28,8 @@ class BucketQueue {
     ++count_;
   }
 
-  /// Whether an event at a distance comes after all those of nearer buckets; the last bucket has no
-  /// order.
+  /// Returns true if an event at a distance comes after all those of nearer buckets; the last
+  /// bucket has no order.
   [[nodiscard]] bool is_in_order(double distance) const { return distance * per_width_ < kMost; }
 
   [[nodiscard]] std::optional<Event> pop() {

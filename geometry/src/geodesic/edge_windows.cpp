@@ -13,7 +13,7 @@ namespace {
 /// the rounding by which two ways to compute the same path differ.
 constexpr double kNearer = 1e-13;
 
-/// In place of the index of a known window.
+/// Used instead of the index of a known window.
 constexpr int kAdded = -1;
 
 /// Difference of two distances along an edge, negative where `added` is the nearer one. It is
@@ -24,7 +24,7 @@ struct Difference {
 
   [[nodiscard]] double at(double place) const { return added.at(place) - known.at(place); }
 
-  /// Where the lines from both points are parallel.
+  /// The place at which the lines from both points are parallel.
   [[nodiscard]] double extremum() const {
     return (added.along * known.height - known.along * added.height) /
            (known.height - added.height);

@@ -15,7 +15,7 @@ struct Window {
   double along, height;  ///< the point: its foot on the line of the edge; its distance from it
   double start;          ///< distance of the point itself from its source
   int source;
-  bool forward;        ///< whether the lines enter the triangle whose half-edge runs as the edge
+  bool forward;        ///< true if the lines enter the triangle whose half-edge runs as the edge
   bool waits = false;  ///< still to be passed on
 
   /// Distance from the source to a place on the edge.
@@ -55,7 +55,7 @@ class EdgeWindows {
   /// \return the least distance in the added parts; infinite if there are none.
   double add(int edge, const Window& window);
 
-  /// Nothing will be added to an edge any more. \param keep whether its windows are still needed
+  /// Nothing will be added to an edge any more. \param keep true if its windows are still needed
   void finish(int edge, bool keep);
   [[nodiscard]] bool is_finished(int edge) const {
     return finished_[static_cast<size_t>(edge)] != 0;
@@ -67,7 +67,7 @@ class EdgeWindows {
 
   std::vector<std::vector<Window>> of_edge_;
   std::vector<char> finished_;  ///< of each edge
-  std::vector<Window> parts_;   ///< scratch: what replaces the windows that overlap the one added
+  std::vector<Window> parts_;   ///< scratch: replacement for the windows that overlap the one added
   int last_ = 0;                ///< index of the window of the last part
   bool is_added_ = false;
 };

@@ -25,9 +25,9 @@ constexpr double kWorthPassingOn = 2e-12;
 /// lowest index gets the vertex. Larger than what rounding and kWorthPassingOn add up to on a path.
 constexpr double kEquallyNear = 1e-9;
 
-/// How far beyond its cell a wave is propagated, in units of the longest edge at a vertex.
-/// Distances inside the cell depend on those of neighbours outside; a larger value does not change
-/// the labels.
+/// Distance by which a wave is propagated beyond its cell, in units of the longest edge at a
+/// vertex. Distances inside the cell depend on those of neighbours outside; a larger value does not
+/// change the labels.
 constexpr double kBeyondCell = 1;
 
 /// The same beyond the radius, where no other wave can correct a label.
@@ -65,7 +65,7 @@ double distance_across(double distance_a, double distance_b, const TriangleFans:
   const double twice_foot = difference * sum * inverse + 1;
   const double without_depth = distance_a * distance_a + side - twice_foot * dot;
   const double gain = known * known * (1 - kWorthPassingOn) - without_depth;
-  // Negative by rounding where the source is on the edge.
+  // Negative by rounding if the source is on the edge.
   const double reach = std::max(0.0, sum * sum - edge);
   const double squared = reach * steepness * inverse * inverse * cross;  // (2 y c_y)^2
   if (!(gain > 0 && gain * gain > squared)) return kInfinity;
@@ -184,7 +184,7 @@ class March {
     for (const int vertex : touched_) keep_nearest(vertex);
   }
 
-  /// Of the waves so far.
+  /// The result of the waves so far.
   [[nodiscard]] const GeodesicDistance& nearest() const { return nearest_; }
   [[nodiscard]] GeodesicDistance result() && { return std::move(nearest_); }
 

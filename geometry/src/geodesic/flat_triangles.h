@@ -22,7 +22,7 @@ struct FlatHalfEdge {
   Eigen::Vector2d left, right;
   int opposite;     ///< half-edge; kNone at the border
   int edge;         ///< the same for both half-edges of an edge
-  bool along_edge;  ///< whether the edge runs in this direction; it does in one of the two
+  bool along_edge;  ///< true if the edge runs in this direction; it does in one of the two
   int start;        ///< vertex
 };
 
@@ -34,7 +34,7 @@ struct FlatTriangles {
   double mean_length = 0;
   std::vector<int> first_leaving;  ///< V + 1: index of each vertex's first half-edge in `leaving`
   std::vector<int> leaving;        ///< half-edges by the vertex at which they start
-  std::vector<char> bends;         ///< V, whether shortest paths can bend there
+  std::vector<char> bends;         ///< V, nonzero if shortest paths can bend there
 
   [[nodiscard]] const FlatHalfEdge& operator[](int h) const {
     return half_edges[static_cast<size_t>(h)];

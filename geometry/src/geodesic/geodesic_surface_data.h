@@ -21,7 +21,7 @@ class MadeOnce {
   MadeOnce& operator=(const MadeOnce&) = delete;
   ~MadeOnce() { delete made_.load(); }
 
-  /// \param make  what it throws is thrown, and the next call tries again
+  /// \param make if it throws, this call throws the same, and the next call tries again
   template <class Make>
   const Value& get(const Make& make) const {
     const Value* made = made_.load();

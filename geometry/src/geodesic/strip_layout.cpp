@@ -80,7 +80,7 @@ class Funnel {
   }
 
  private:
-  /// Whether a point is beyond the left (or right) side of the funnel.
+  /// Returns true if a point is beyond the left (or right) side of the funnel.
   [[nodiscard]] bool crosses(const Eigen::Vector2d& point, bool left_side) const {
     const Eigen::Vector2d side = (left_side ? left_ : right_) - apex_;
     const double turn = cross(side, point - apex_);

@@ -134,7 +134,7 @@ std::vector<TriangleStrip> strips_along(const FlatTriangles& flat,
                                         std::span<const SurfacePoint> points) {
   std::vector<TriangleStrip> strips;
   std::vector<SurfacePoint> names = names_of(flat, points.front());
-  SurfacePoint now;  // where the strip has come to, as it is named in its last triangle
+  SurfacePoint now;  // the end of the strip so far, as it is named in its last triangle
   for (size_t i = 1; i < points.size(); ++i) {
     std::vector<SurfacePoint> next_names = names_of(flat, points[i]);
     const auto common = common_triangle(names, next_names, now.triangle);

@@ -21,8 +21,8 @@ constexpr double kReaches = 1e-14;
 /// edge: small enough that few are passed on before a nearer one arrives.
 constexpr double kTogether = 0.3;
 
-/// Where the line from (along, -height) through (place, 0) hits the ray from (0, 0) in the given
-/// direction. Precondition: it does, and place >= 0.
+/// Length along the ray from (0, 0) in the given direction at which the line from (along, -height)
+/// through (place, 0) hits it. Precondition: it does, and place >= 0.
 double hit(double place, double along, double height, const Eigen::Vector2d& direction,
            double longest) {
   if (place == 0) return 0;
@@ -139,8 +139,8 @@ void WindowPropagation::expect(int half_edge, double distance) {
   arrivals_.push({.distance = distance, .index = half_edge, .at = ArrivalAt::half_edge});
 }
 
-/// Each edge whose other end is reached: all of it is as near as by the better of its ends. What is
-/// passed on in later buckets is farther. Edges of the border have no windows.
+/// Each edge whose other end is reached: all of it is as near as by the better of its ends. Windows
+/// passed on in later buckets are farther. Edges of the border have no windows.
 void WindowPropagation::expect_edges_at(int vertex) {
   for (const int h : flat_.from(vertex)) {
     const double there = distance(flat_[next_half_edge(h)].start);
@@ -241,7 +241,7 @@ void WindowPropagation::cross(int h, const Window& window) {
   const int right = next_half_edge(h);
   const int left = last_half_edge(h);
   const Eigen::Vector2d apex = flat_.apex(h);
-  // Where the line to the apex crosses the edge.
+  // The place at which the line to the apex crosses the edge.
   const double to_apex =
       (window.along * apex.y() + apex.x() * window.height) / (window.height + apex.y());
   const double slack = kReaches * half_edge.length;
@@ -283,7 +283,7 @@ Window WindowPropagation::hitting_window(const Window& window, const Eigen::Vect
   return hitting;
 }
 
-/// Whether paths through the other end of the edge that a window has crossed are shorter
+/// Returns true if paths through the other end of the edge that a window has crossed are shorter
 /// everywhere in the window (Xin and Wang 2009).
 bool WindowPropagation::is_longer_than_through(int vertex, const FlatHalfEdge& crossed,
                                                const Eigen::Vector2d& direction,

@@ -16,9 +16,9 @@
 namespace palpate::geometry {
 
 /// The windows of all sources on the mesh (Mitchell, Mount and Papadimitriou 1987), passed on in
-/// buckets of the distance. What comes too early within a bucket is corrected later, so the order
-/// there has no effect on the result beyond rounding. An edge is finished when the buckets of all
-/// that could be nearer are done.
+/// buckets of the distance. Windows that come too early within a bucket are corrected later, so the
+/// order there has no effect on the result beyond rounding. An edge is finished when the buckets of
+/// all windows that could be nearer are done.
 class WindowPropagation {
  public:
   /// `flat` must outlive the propagation; lengths are in its unit.
@@ -52,9 +52,9 @@ class WindowPropagation {
     ArrivalAt at;
   };
 
-  /// Takes the next arrival. \return whether there was one
+  /// Takes the next arrival. \return true if there was one
   bool step();
-  /// \return whether no path to the vertex was as short
+  /// \return true if no path to the vertex was as short
   bool improve(int vertex, double distance, int source);
   void reach(int vertex, double distance, int source);
   void expect(int half_edge, double distance);
@@ -77,7 +77,7 @@ class WindowPropagation {
   std::vector<double> distance_;  ///< of each vertex
   int reached_ = 0;               ///< number of vertices
   std::vector<int> source_;       ///< of each vertex
-  std::vector<char> bends_;       ///< whether paths can bend at a vertex
+  std::vector<char> bends_;       ///< nonzero if paths can bend at a vertex
   EdgeWindows windows_;
   bool keeps_windows_ = true;
   std::vector<double> expected_;  ///< of each half-edge: distance of the arrival that counts

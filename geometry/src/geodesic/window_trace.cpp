@@ -28,8 +28,8 @@ SurfacePoint on_half_edge(int half_edge, double share) {
   return point;
 }
 
-/// What moves along a window's lines, in the plane of the half-edge through which it has entered a
-/// triangle.
+/// The end of a path that is followed along the lines of a window, in the plane of the half-edge
+/// through which it has entered a triangle.
 struct TracedLine {
   int half_edge;
   Eigen::Vector2d at;  ///< on the half-edge

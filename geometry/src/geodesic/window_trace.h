@@ -41,7 +41,7 @@ class WindowTrace {
     int vertex = kNone;
     int half_edge = kNone;  ///< that is crossed
     Window window{};        ///< in the direction of the half-edge
-    double place = 0;       ///< where the half-edge is crossed
+    double place = 0;       ///< position at which the half-edge is crossed
   };
 
   [[nodiscard]] std::span<const NamedSource> sources_in(int triangle) const;

@@ -14,7 +14,7 @@ namespace {
 /// The mesh edge that the plane crosses: its two vertices, the smaller index first.
 using Edge = std::pair<int, int>;
 
-/// Which crossed edges a triangle joins.
+/// For each crossed edge, the crossed edges to which triangles join it.
 std::map<Edge, std::vector<Edge>> crossings(const TriangleMesh& mesh,
                                             const Eigen::VectorXd& height) {
   std::map<Edge, std::vector<Edge>> neighbors;

@@ -74,7 +74,7 @@ class Splitter {
     return found->second;
   }
 
-  // Whether a triangle has a long edge and was replaced by its parts.
+  // Returns true if a triangle has a long edge and was replaced by its parts.
   bool split(CornerIndices corners) {
     std::array<int, 3> middles{};
     for (std::size_t k = 0; k < 3; ++k) middles[k] = middle(corners[k], corners[(k + 1) % 3]);

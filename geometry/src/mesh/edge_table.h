@@ -14,7 +14,7 @@ struct EdgeSide {
   int low = -1;         ///< the end with the lower vertex index
   int high = -1;        ///< the other end
   int half_edge = -1;   ///< 3 t + k: from corner k of triangle t to its corner (k + 1) % 3
-  bool upwards = true;  ///< whether it runs from `low` to `high`
+  bool upwards = true;  ///< true if it runs from `low` to `high`
 
   [[nodiscard]] int triangle() const { return half_edge / 3; }
   /// The corners (3 t + k) at `low` and at `high`.

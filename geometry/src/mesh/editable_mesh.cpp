@@ -54,7 +54,7 @@ void EditableMesh::begin_fan(int h) {
   leaving_[size(start(h))] = h;
 }
 
-/// Lets a half-edge take the place of another one at the surface around.
+/// Connects a half-edge to the surface in the place of another one.
 void EditableMesh::take(int h, int from) {
   feature_[size(h)] = feature_[size(from)];
   join(h, opposite(from));
@@ -158,7 +158,7 @@ bool EditableMesh::can_collapse(int h) {
   return common == (g >= 0 ? 2 : 1);
 }
 
-/// Joins what is on both sides of a triangle whose half-edge has got no length.
+/// Removes a triangle whose half-edge has lost its length, and joins its two neighbours.
 /// \return a half-edge of the edge in its place
 int EditableMesh::close(int h) {
   const int one = opposite(next(h)), other = opposite(last(h));

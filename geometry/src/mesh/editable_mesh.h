@@ -55,11 +55,11 @@ class EditableMesh {
 
   /// Cuts an edge in its middle. \return the new vertex
   int split(int h);
-  /// Whether an edge can be flipped so that the surface stays a manifold.
+  /// Returns true if an edge can be flipped so that the surface stays a manifold.
   [[nodiscard]] bool can_flip(int h) const;
   /// Replaces an inner edge by the other diagonal of its two triangles.
   void flip(int h);
-  /// Whether the ends of an edge can become one vertex so that the surface stays a manifold.
+  /// Returns true if an edge can shrink to one vertex so that the surface stays a manifold.
   [[nodiscard]] bool can_collapse(int h);
   /// Removes the start of a half-edge; its end takes its place.
   void collapse(int h);

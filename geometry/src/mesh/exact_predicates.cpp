@@ -28,7 +28,7 @@ struct Expansion {
   [[nodiscard]] int sign() const { return size == 0 ? 0 : parts[size - 1] > 0 ? 1 : -1; }
 };
 
-/// a + b = sum + what is returned.
+/// Returns the rounding error of a sum: a + b = sum + error.
 double rest_of_sum(double a, double b, double sum) {
   const double of_b = sum - a, of_a = sum - of_b;
   return (a - of_a) + (b - of_b);

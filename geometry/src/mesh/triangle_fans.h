@@ -8,7 +8,7 @@
 
 namespace palpate::geometry {
 
-/// What a wave needs to travel from a vertex to its neighbours, grouped by vertex in memory.
+/// Data with which a wave travels from a vertex to its neighbours, grouped by vertex in memory.
 struct TriangleFans {
   /// The other end of an edge.
   struct Neighbour {
@@ -30,7 +30,7 @@ struct TriangleFans {
   std::vector<Neighbour> neighbours;
   std::vector<Corner> corners;
   std::vector<double> longest;  ///< V, length of the longest edge
-  std::vector<char> turns;      ///< V, whether paths bend there, around a corner of the border
+  std::vector<char> turns;      ///< V, nonzero if paths bend there, around a corner of the border
 };
 
 /// The half-edges 3 t + k that leave each vertex: those of vertex v are number first[v] to

@@ -87,7 +87,7 @@ class ShearedSegment {
   double shear_1_;
 };
 
-/// Where a segment crosses a triangle.
+/// The crossing of a segment and a triangle.
 struct Crossing {
   double fraction = std::numeric_limits<double>::infinity();  ///< in [0, 1]; infinity if none
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();      ///< >= 0, sums to 1
@@ -96,11 +96,11 @@ struct Crossing {
 /// Crossing from either side, border included; none if the segment lies in the triangle's plane.
 [[nodiscard]] Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners);
 
-/// Where the line through a segment, shifted sideways by an infinitesimal distance, passes through
-/// the triangle; the fraction may be any number, infinite if it passes beside it. The shift is the
-/// same for all triangles and the sides of edges are exact, so that a line through an edge or a
-/// vertex crosses a closed surface as often outwards as inwards. None if the line lies in the plane
-/// of the triangle.
+/// The crossing of a triangle and the line through a segment, which is shifted sideways by an
+/// infinitesimal distance; the fraction may be any number, infinite if the line passes beside it.
+/// The shift is the same for all triangles and the sides of edges are exact, so that a line through
+/// an edge or a vertex crosses a closed surface as often outwards as inwards. None if the line lies
+/// in the plane of the triangle.
 [[nodiscard]] Crossing cross_triangle_beside_edges(const ShearedSegment& segment,
                                                    const Corners& corners);
 

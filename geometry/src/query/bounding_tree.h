@@ -54,7 +54,7 @@ struct BoundingTree {
   std::vector<TrianglePacket, HugePages<TrianglePacket>> packets;
 };
 
-/// How much care is taken of a tree, whose answers are the same either way.
+/// Quality of a tree; its answers are the same either way.
 enum class TreeBuild {
   thorough,  ///< for many queries
   quick      ///< for few: see quick_tree.h

@@ -339,7 +339,7 @@ TexturedDecimation join_seams(Decimation decimated, const SeamedMesh& seamed) {
   return result;
 }
 
-/// Moves it to where points of its triangles are rounded least, which does not change it.
+/// Moves a mesh to where points of its triangles are rounded least, without rounding it.
 void move_near_origin(TriangleMesh& mesh) {
   mesh.vertices.colwise() -= exact_offset(bounding_box(mesh));
 }

@@ -89,9 +89,9 @@ bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
   return true;
 }
 
-/// Whether a triangle faces the other way than the input below it, at its centre and half-way
-/// to each corner. All of these are required, because across a steep step of the input the nearest
-/// triangle may be an upright one.
+/// Returns true if a triangle faces the other way than the input below it, at its centre and
+/// half-way to each corner. All of these are required, because across a steep step of the input the
+/// nearest triangle may be an upright one.
 bool turned_over(const TriangleMesh& candidate, int triangle, const DecimationStandard& standard) {
   const Eigen::Vector3d normal =
       area_vector(candidate.vertices, candidate.triangles.col(triangle)).stableNormalized();

@@ -15,9 +15,9 @@
 
 namespace palpate::geometry {
 
-/// How the triangles of a mesh are connected.
+/// Connections between the triangles of a mesh.
 struct Gluing {
-  /// For each triangle, whether one of its edges has more than two triangles or two of opposite
+  /// For each triangle: nonzero if one of its edges has more than two triangles or two of opposite
   /// orientation.
   std::vector<char> bad_edge;
   /// For each vertex, the number of fans its triangles form; 1 where the mesh is manifold.
@@ -40,9 +40,9 @@ struct DecimationStandard {
   DistanceTarget input;
   std::vector<int> joined;  ///< see `gluing`
   Gluing input_gluing;
-  bool manifold_edges;        ///< whether the input's edges are manifold
+  bool manifold_edges;        ///< true if the input's edges are manifold
   Eigen::Matrix3Xd normals;   ///< of the input's triangles
-  std::vector<char> at_seam;  ///< of each vertex: whether another one is at exactly its place
+  std::vector<char> at_seam;  ///< of each vertex: nonzero if another one is at exactly its place
   std::optional<TextureStandard> texture;
 
   /// \param seamed the mesh that is decimated if it has a texture, or null.
@@ -81,7 +81,7 @@ class KnownTriangles {
     return facts_[static_cast<std::size_t>(present_[triangle])];
   }
 
-  /// Whether the points of a triangle of the input are within the tolerance of the present
+  /// Returns true if the points of a triangle of the input are within the tolerance of the present
   /// candidate, because it has the triangles that were witnesses of this for an earlier one.
   [[nodiscard]] bool is_covered(std::size_t input_triangle) const;
   /// The witnesses are triangles of the present candidate.
@@ -104,8 +104,8 @@ class KnownTriangles {
   std::vector<Witnesses> cover_;  ///< entries, of each triangle of the input
 };
 
-/// Violations of what `Decimation` promises. Cheaper checks come first, and the others run only if
-/// these find nothing.
+/// Violations of the guarantees of `Decimation`. Cheaper checks come first, and the others run only
+/// if these find nothing.
 struct Unfit {
   /// Triangles that are badly connected, or flipped without being slivers, or on which the texture
   /// slips.

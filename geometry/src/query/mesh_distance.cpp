@@ -89,7 +89,7 @@ class Border {
 };
 
 /// Two meshes without the vertices that no triangle uses, moved to where the corners of pieces of
-/// their triangles are rounded least. This changes neither of them.
+/// their triangles are rounded least. The move itself does not round.
 struct MovedMeshes {
   TriangleMesh a, b;
   Eigen::Vector3d offset;  ///< moved = original - offset

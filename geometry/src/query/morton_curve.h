@@ -11,7 +11,7 @@ namespace palpate::geometry {
 /// Cells of a Morton curve (Z-order) along each axis; neighbours on it are near in space.
 inline constexpr std::uint32_t kMortonCells = std::uint32_t{1} << 16;
 
-/// Something by its place along the curve.
+/// An element with its place along the curve.
 struct OnMortonCurve {
   std::uint64_t place;
   int index;
@@ -21,7 +21,7 @@ struct OnMortonCurve {
 /// \param cell each below `kMortonCells`.
 [[nodiscard]] std::uint64_t morton_place(const Eigen::Array<std::uint32_t, 3, 1>& cell);
 
-/// Sorted by place; those at the same keep their order.
+/// Returns the elements sorted by place; those at the same place keep their order.
 [[nodiscard]] std::vector<OnMortonCurve> sorted(std::vector<OnMortonCurve> all);
 
 }  // namespace palpate::geometry

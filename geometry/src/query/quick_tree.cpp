@@ -38,7 +38,7 @@ void put_lowest_first(Centre* begin, const Centre* end, Eigen::Index axis, std::
   Centre* front = begin;
   Centre* back = begin + wanted;
   for (std::size_t i = 0; i < size; ++i) {
-    // So few are counted sooner than partitioned, because nothing has to be guessed.
+    // Counting is faster than partitioning for so few, because no branch has to be predicted.
     int lower = 0;
     for (std::size_t j = 0; j < size; ++j)
       lower += static_cast<int>(place[j] < place[i]) |
@@ -85,7 +85,7 @@ class QuickTree {
     [[nodiscard]] std::size_t size() const { return end - begin; }
   };
 
-  /// Where the cube of a part is halved: where the highest bit that differs changes.
+  /// The index at which the cube of a part is halved: where the highest bit that differs changes.
   [[nodiscard]] std::size_t middle(const Part& part) const {
     const auto place = [&](std::size_t i) { return curve_[i].place; };
     const std::uint64_t differing = place(part.begin) ^ place(part.end - 1);

@@ -44,7 +44,7 @@ Vector3d area_vector(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return (b - a).cross(c - a);
 }
 
-/// Whether a triangle with area is turned too far, or loses its area.
+/// Returns true if a triangle with area is turned too far, or loses its area.
 bool is_turned(const Vector3d& before, const Vector3d& after) {
   const double product = before.norm() * after.norm();
   return before.squaredNorm() > 0 && !(before.dot(after) > kLeastTurnCosine * product);
@@ -55,7 +55,7 @@ double angle_opposite(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return std::atan2((a - c).cross(b - c).norm(), (a - c).dot(b - c));
 }
 
-/// What a vertex may do.
+/// Allowed changes of a vertex.
 enum class Freedom : char {
   full,
   on_line,  ///< on a straight part of a feature: moves along it, or is left out
@@ -208,7 +208,7 @@ class Remesher {
     }
   }
 
-  /// Whether the start of a half-edge may be merged into its end.
+  /// Returns true if the start of a half-edge may be merged into its end.
   [[nodiscard]] bool may_vanish(int h) const {
     const int a = mesh_.start(h);
     if (freedom(a) == Freedom::full) return true;
@@ -224,7 +224,7 @@ class Remesher {
     mesh_.move(b, to);
   }
 
-  /// Whether the triangles at `v`, without those that also have `other`, can have `v` elsewhere.
+  /// Returns true if `v` can move in the triangles at it, without those that also have `other`.
   [[nodiscard]] bool fits(int v, int other, const Vector3d& to) const {
     const double longest = kLongest * options_.edge_length;
     bool is_good = true;
@@ -251,7 +251,7 @@ class Remesher {
     }
   }
 
-  /// Whether an edge is not Delaunay, and the other diagonal turns neither of its triangles.
+  /// Returns true if an edge is not Delaunay, and the other diagonal turns neither triangle.
   [[nodiscard]] bool is_worth_flipping(int h) const {
     const int g = mesh_.opposite(h);
     if (g < 0 || mesh_.is_feature(h)) return false;

@@ -71,7 +71,7 @@ bool meets_in_plane(const Vector3d& start, const Vector3d& end, const Corners& t
   return false;
 }
 
-/// Whether a segment meets a triangle, its border included. Precondition: the triangle has an area.
+/// Returns true if a segment meets a triangle or its border. Precondition: it has an area.
 bool meets(const Vector3d& start, const Vector3d& end, const Corners& triangle) {
   const auto& [a, b, c] = triangle;
   const int of_start = orientation(a, b, c, start), of_end = orientation(a, b, c, end);
@@ -86,7 +86,7 @@ Corners from(const Corners& triangle, std::size_t first) {
   return {triangle[first], triangle[(first + 1) % 3], triangle[(first + 2) % 3]};
 }
 
-/// Whether neighbours that share an edge lie in one plane, on the same side of the edge.
+/// Returns true if neighbours that share an edge lie in one plane, on the same side of the edge.
 bool folded(const Vector3d& a, const Vector3d& b, const Vector3d& one, const Vector3d& other) {
   if (orientation(a, b, one, other) != 0) return false;
   const FlatTriangle flat({a, b, one});
@@ -95,8 +95,8 @@ bool folded(const Vector3d& a, const Vector3d& b, const Vector3d& one, const Vec
          orientation(from, to, FlatTriangle::along(flat.dropped, other));
 }
 
-/// Whether the triangles meet elsewhere than where they share corners. Precondition: both have an
-/// area.
+/// Returns true if the triangles meet elsewhere than where they share corners. Precondition: both
+/// have an area.
 bool intersect(const Corners& one, const Corners& other) {
   std::array<std::size_t, 3> shared_of_one{}, shared_of_other{};
   std::size_t shared = 0;
@@ -114,7 +114,7 @@ bool intersect(const Corners& one, const Corners& other) {
                   other[3 - shared_of_other[0] - shared_of_other[1]]);
   }
   if (shared == 1) {
-    // What they have in common ends at a side opposite to the common corner.
+    // Their intersection ends at a side opposite to the common corner.
     const Corners a = from(one, shared_of_one[0]), b = from(other, shared_of_other[0]);
     return meets(a[1], a[2], b) || meets(b[1], b[2], a);
   }

@@ -39,7 +39,7 @@ constexpr double kOnSurface = 8 * std::numeric_limits<double>::epsilon();
 constexpr double kRebuildCost = 1.5;
 
 /// A squared search radius that includes every triangle within `distance`, if squared distances are
-/// computed with such numbers.
+/// computed in `Number`.
 /// \param reach largest coordinate of the point.
 template <typename Number>
 Number squared_radius(double distance, double reach) {
@@ -98,19 +98,19 @@ Eigen::Matrix3Xd SurfaceTree::set_frame() {
   return frame.to_local(mesh_.vertices);
 }
 
-/// What a closest-point query has found.
+/// The result of a closest-point query.
 struct SurfaceTree::FoundNearest {
   NearestTriangle best;
   double squared_others = kInfinity;  ///< of the second nearest triangle, if it matters
 };
 
-/// State of a closest-point query that culls with such numbers.
+/// State of a closest-point query that culls in `Number`.
 template <typename Number>
 struct SurfaceTree::NearestSearch {
   Eigen::Vector3d point;
   Eigen::Matrix<Number, 3, 1> culling_point;
   double reach;  ///< largest coordinate of the point
-  double slack;  ///< triangles matter iff they are at most this much farther away than the nearest
+  double slack;  ///< triangles matter if they are at most this much farther away than the nearest
   Number squared_radius;
   FoundNearest& found;
 

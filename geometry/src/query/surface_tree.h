@@ -128,8 +128,8 @@ class SurfaceTree {
   double scale_ = 1;
   double on_surface_ = 0;  ///< ends closer than this are on the surface; local frame
   double margin_ = 0;      ///< covers rounding in single precision and `on_surface_`
-  /// At each place of the tree the corners of its triangle, because to gather them from the mesh
-  /// would be to wait for memory twice more. Empty in a quick tree.
+  /// The corners of the triangle at each place of the tree, because gathering them from the mesh
+  /// would mean waiting for memory twice more. Empty in a quick tree.
   std::vector<Corners, HugePages<Corners>> corners_;
   BoundingTree tree_;
   double built_cost_ = 0;  ///< traversal cost of the tree when it was built

@@ -12,8 +12,8 @@
 
 namespace palpate::geometry {
 
-/// A mesh whose vertices have one place in the texture each: vertices at seams are there once for
-/// each chart.
+/// A mesh whose vertices have one place in the texture each: vertices at seams occur once for each
+/// chart.
 struct SeamedMesh {
   TriangleMesh mesh;         ///< the same triangles, in their order
   std::vector<int> source;   ///< of each vertex: the vertex of the mesh that was split; ascending
@@ -29,10 +29,10 @@ class TextureStandard {
  public:
   explicit TextureStandard(const SeamedMesh& input);
 
-  /// Whether the texture is displaced by more than the tolerance at one of seven places of a
-  /// triangle (its centre, half-way from there to its corners, the middle of its sides): whether
-  /// the nearest place of the same chart of the input is farther away, or what is there in the
-  /// texture is farther from that place, in mm along the input.
+  /// Returns true if the texture is displaced by more than the tolerance at one of seven places of
+  /// a triangle (its centre, half-way from there to its corners, the middle of its sides): if the
+  /// nearest place of the same chart of the input is farther away, or the texture there differs
+  /// from that of the place by more than that, in mm along the input.
   /// \param mesh with the vertices of the input.
   [[nodiscard]] bool slips(const TriangleMesh& mesh, int triangle, double tolerance) const;
 

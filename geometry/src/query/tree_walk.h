@@ -10,10 +10,10 @@
 
 #include "query/bounding_tree.h"
 
-// What the searches of a surface tree share.
+// Code that the searches of a surface tree share.
 namespace palpate::geometry {
 
-/// At least x, and little more; without the branches of std::nextafter. Precondition: x >= 0.
+/// Returns at least x >= 0, and little more; without the branches of std::nextafter.
 inline float round_up(double x) {
   return static_cast<float>(x) * (1 + 2 * std::numeric_limits<float>::epsilon()) +
          std::numeric_limits<float>::min();
@@ -24,7 +24,7 @@ inline bool improves(double candidate, int triangle, double best, int best_trian
   return candidate < best || (candidate == best && best_triangle >= 0 && triangle < best_triangle);
 }
 
-/// Begins to load what will be read soon.
+/// Prefetches memory that will be read soon.
 template <typename What>
 void load(const What* first, std::size_t count = 1) {
   for (std::size_t byte = 0; byte < count * sizeof(What); byte += kCacheLine)
@@ -41,7 +41,7 @@ class ChildStack {
   };
   [[nodiscard]] bool empty() const { return size_ == 0; }
   Entry pop() { return entries_[--size_]; }
-  /// Defers all children of a node whose bits are set but the nearest, which is returned, and
+  /// Defers all children of a node whose bits are set, except the nearest, which is returned, and
   /// begins to load them. Precondition: a bit is set.
   int defer_others(const BoundingTree& tree, const TreeNode& node,
                    const ChildLanes<Number>& distances, unsigned bits) {
@@ -69,7 +69,7 @@ class ChildStack {
   std::size_t size_ = 0;
 };
 
-/// Walks down the tree, to the nearest child first. Distances are such numbers.
+/// Walks down the tree, to the nearest child first. Distances are of type `Number`.
 /// \param meet finds the children of a node that matter, and their distances.
 /// \param look_at looks at the packet with this number.
 /// \param limit is asked for the distance beyond which nothing matters any more.

@@ -57,8 +57,8 @@ inline constexpr double kFloatMargin =
 [[nodiscard]] DoubleLanes squared_distances(const Eigen::Vector3d& point,
                                             const TrianglePacket& packet);
 
-/// How a segment passes the triangles, lane by lane. Coordinates along the segment are measured on
-/// its main axis, 0 at its start.
+/// Position of a segment relative to the triangles, lane by lane. Coordinates along the segment are
+/// measured on its main axis, 0 at its start.
 struct Passing {
   Lanes miss;   ///< > 0 if the segment stays farther than the margin from the triangle
   Lanes begin;  ///< lowest coordinate of the triangle along the segment

@@ -39,10 +39,10 @@ double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
 
 }  // namespace
 
-/// What a WindingNumber holds.
+/// The data of a WindingNumber.
 namespace winding {
 
-/// A sum over triangles and what it may be off.
+/// A sum over triangles and a bound of its error.
 struct Estimate {
   double value = 0;
   double bound = kInfinity;

@@ -82,9 +82,9 @@ PerPoint<n> determinant(const Distortion<n>& at) {
   return at.dx_dx * at.dy_dy - at.dx_dy * at.dx_dy;
 }
 
-/// Whether the lens surely has no fold between the axis and a point at the square `r2` of its
-/// distance from it: its Jacobian there differs from the identity by less than 1 (in the spectral
-/// norm), as the sum of the norms of its terms does.
+/// Returns true if the lens surely has no fold between the axis and a point at the square `r2` of
+/// its distance from it: its Jacobian there differs from the identity by less than 1 (in the
+/// spectral norm), as the sum of the norms of its terms does.
 bool surely_unfolded(const Camera& camera, double r2) {
   const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = camera.distortion;
   if (k4 != 0 || k5 != 0 || k6 != 0) return false;

@@ -14,7 +14,7 @@
 namespace palpate::geometry {
 namespace {
 
-// Depths are divided into as many ranges, each with as many pixels, but not fewer than the least.
+// Depths are divided into kRanges ranges of as many pixels each, at least kLeastInRange.
 constexpr std::size_t kRanges = 16, kLeastInRange = 100;
 // A pixel whose variance is more than this many times the median of its range is left out.
 constexpr double kOutlier = 16;
@@ -22,7 +22,7 @@ constexpr double kOutlier = 16;
 // over time, which many cameras have, reach 2.5.
 constexpr double kDrift = 3;
 
-// What a pixel shows that has a depth in all frames.
+// A pixel that has a depth in all frames.
 struct Pixel {
   double z = 0;         // [mm] mean
   double variance = 0;  // [mm^2]
@@ -71,7 +71,7 @@ Pixel typical(std::span<const Pixel> range, double least_variance) {
   return {sum.z / count, sum.variance / count, sum.step / count};
 }
 
-// The least squares of the relative errors of deviations, none of the parts below 0.
+// Least-squares fit of the relative errors of deviations, with no part below 0.
 DepthNoise fitted(const std::vector<Pixel>& ranges) {
   constexpr double kLeastVariance = 1e-6;  // that counts, relative to the largest
   const double largest = std::ranges::max(ranges, {}, &Pixel::variance).variance;

@@ -12,7 +12,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// What the codes before this one, row by row, tell of it.
+/// Predicts a code from those before it, row by row.
 class Prediction {
  public:
   explicit Prediction(const CodeImage& codes) : codes_(codes) {}

@@ -9,7 +9,7 @@
 namespace palpate::geometry {
 
 /// No camera and no range map has more pixels: they are counted in int, and each needs some 100
-/// bytes. A file that announces more is damaged.
+/// bytes. A file that declares more is damaged.
 inline constexpr int kMaxPixels = 1 << 28;
 
 /// `pixel_rays` into existing memory, 2 x (width * height). Precondition: the camera is valid.

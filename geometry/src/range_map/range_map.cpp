@@ -68,7 +68,7 @@ TiffFile open_tiff(const fs::path& path, const char* mode, TiffMessage& message)
   return {TIFFOpenExt(path.c_str(), mode, options_with(message).get()), &TIFFClose};
 }
 
-/// The same for what comes through a pipe, by a temporary file, because libtiff seeks.
+/// The same for the content of a pipe, by a temporary file, because libtiff seeks.
 TiffFile open_piped_tiff(const fs::path& path, TiffMessage& message) {
   const std::string content = read_input_file(path);
   const std::unique_ptr<std::FILE, decltype(&std::fclose)> copy(std::tmpfile(), &std::fclose);
@@ -124,8 +124,8 @@ FileError truncated(const fs::path& path, const ImageF& z, Eigen::Index row,
                    message.str() + ")");
 }
 
-/// Strips and tiles lie in the file, each at a place of its own. Libtiff may leave pixels of those
-/// that do not as they are in memory, without an error.
+/// Checks that strips and tiles lie in the file, each at a place of its own. For others, libtiff
+/// may leave pixels as they are in memory, without an error.
 void check_parts(TIFF* file, const fs::path& path) {
   const bool is_tiled = TIFFIsTiled(file) != 0;
   const std::uint32_t parts = is_tiled ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);

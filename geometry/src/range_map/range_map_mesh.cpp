@@ -45,14 +45,14 @@ class DepthSteps {
     });
   }
 
-  /// Whether the surface continues from a pixel to the one on its right, or below it.
+  /// Returns true if the surface continues from a pixel to the one on its right, or below it.
   [[nodiscard]] bool joined_right(Eigen::Index row, Eigen::Index col) const {
     return goes_on(at(row, col), 1, false);
   }
   [[nodiscard]] bool joined_below(Eigen::Index row, Eigen::Index col) const {
     return goes_on(at(row, col), stride_, false);
   }
-  /// Whether it continues to the pixel across the cell, given that it does along two of its sides.
+  /// Returns true if it continues to the pixel across the cell, given that it does along two sides.
   [[nodiscard]] bool joined_falling(Eigen::Index row, Eigen::Index col) const {
     return goes_on(at(row, col), stride_ + 1, true);
   }
@@ -88,8 +88,8 @@ class DepthSteps {
       inverse_depth_;  ///< padded with unknown pixels, so that all pixels have neighbours
 };
 
-/// Whether a triangle faces the camera at an angle of at most acos(`min_cosine`) to its viewing
-/// ray.
+/// Returns true if a triangle faces the camera at an angle of at most acos(`min_cosine`) to its
+/// viewing ray.
 bool well_seen(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                double min_cosine) {
   const Eigen::Vector3d normal = (b - a).cross(c - a);
@@ -175,7 +175,7 @@ Cells join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
   return cells;
 }
 
-/// Whether a pixel is a corner of a triangle of one of the cells around it.
+/// Returns true if a pixel is a corner of a triangle of one of the cells around it.
 bool is_used(const Cells& cells, Eigen::Index row, Eigen::Index col) {
   return has_corner(cells(row + 1, col + 1), 0) || has_corner(cells(row + 1, col), 1) ||
          has_corner(cells(row, col + 1), 2) || has_corner(cells(row, col), 3);

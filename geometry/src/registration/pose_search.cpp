@@ -34,7 +34,7 @@ constexpr size_t kReport = 1000;
 /// Smallest number of candidates kept.
 constexpr size_t kLeastKept = 12;
 
-/// How strongly motion along the surface is suppressed: far from the surface its planes mislead.
+/// Weight of the term against motion along the surface: far from it its planes mislead.
 constexpr double kStayFar = 0.05;
 
 /// The vectors k * step, k whole numbers, within `range`, where step divides `range` and is at most

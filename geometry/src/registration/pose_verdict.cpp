@@ -109,7 +109,7 @@ struct Verdict {
 Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double least,
                double scale, const RegistrationOptions& options, const Registration& result) {
   using enum RegistrationVerdict;
-  // Where the points slide the steps are small and many, so the sliding is reported as the cause.
+  // If the points slide, the steps are small and many, so the sliding is reported as the cause.
   if (!pose.converged && result.free_motions.empty()) {
     return {not_converged,
             fmt::format("the steps had not settled after {} iterations{}", pose.iterations,

@@ -40,8 +40,8 @@ constexpr Eigen::Index kSearchPoints = 200;
 constexpr Eigen::Index kCandidatePoints = 300;
 constexpr int kCandidateSteps = 12;
 
-/// Number of points for the steps before those with all points; taken iff these are so many times
-/// more.
+/// Number of points for the steps before those with all points; these steps are done only if there
+/// are at least kLeastGain times as many points.
 constexpr Eigen::Index kCoarsePoints = 2000;
 constexpr Eigen::Index kLeastGain = 4;
 
@@ -65,7 +65,7 @@ constexpr double kOfMeanError = 0.1;
 /// A step that does not reduce the loss is divided by this.
 constexpr double kShorten = 4;
 
-/// Motions to come are foretold, for `RegistrationTarget::Impl::pair`, as this share of the step
+/// Motions to come are predicted, for `RegistrationTarget::Impl::pair`, as this share of the step
 /// before, and after the refinement with some points as this share of the distances' deviation.
 constexpr double kNextStep = 0.5;
 constexpr double kFirstStep = 0.5;
@@ -108,7 +108,7 @@ double mean_loss(const Eigen::VectorXd& distances, double deviation) {
   return sum / static_cast<double>(distances.size());
 }
 
-/// Where a refinement starts.
+/// The start of a refinement.
 struct Start {
   Eigen::Isometry3d motion;
   double slack = 0;  ///< see `RegistrationTarget::Impl::pair`, for the first step
@@ -248,15 +248,15 @@ std::optional<double> best_other(const RegistrationTarget::Impl& target,
   return best;
 }
 
-/// How far the points moved beyond the range of the search: the range that contains the pose
-/// found; none if it was searched, or is so near that the trials of the verdict reach it.
+/// The search range that contains the pose found, if the points moved beyond the range of the
+/// search; none if it was searched, or is so near that the trials of the verdict reach it.
 std::optional<SearchRange> range_beyond(const SearchRange& searched, const Eigen::Matrix3Xd& points,
                                         const Eigen::Isometry3d& motion) {
   const Eigen::Vector3d centroid = points.rowwise().mean();
   const double radius = std::sqrt((points.colwise() - centroid).colwise().squaredNorm().mean());
   const double turn = Eigen::AngleAxisd(motion.linear()).angle() - searched.rotation;
   const double shift = (motion * centroid - centroid).norm() - searched.translation;
-  // Who starts farther off than told may also start turned farther, or shifted farther.
+  // A start that is farther off than stated may be rotated farther or shifted farther.
   const double beyond = std::max(turn * radius, shift);
   if (!(beyond > kTrialLength * radius)) return std::nullopt;
   return SearchRange{.rotation = std::min(std::numbers::pi, searched.rotation + beyond / radius),

@@ -31,7 +31,7 @@ class VertexCloud {
   VertexCloud() = default;
 };
 
-/// What the module `registration_pcl` does.
+/// Functions of the module `registration_pcl`.
 struct VertexClouds {
   /// Of the points whose normals are finite; both are 3 x V.
   std::unique_ptr<const VertexCloud> (*create)(const Eigen::Matrix3Xd& points,

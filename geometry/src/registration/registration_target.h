@@ -22,24 +22,24 @@ namespace palpate::geometry {
 
 class VertexCloud;  // registration_pcl.h
 
-/// What is known of the nearest triangle of a point since it was searched, in the frame of the
+/// Result of the last search for the nearest triangle of a point, with lengths in the frame of the
 /// tree.
 struct TrackedTriangle {
   Corners corners;
-  Eigen::Vector3d searched_at;  ///< where the point was
+  Eigen::Vector3d searched_at;  ///< position of the point then
   double others = 0;            ///< no other triangle was nearer than this then
   int triangle = -1;            ///< -1 if there is none
   int place = -1;               ///< in the tree
 };
 
-/// A pairing, and what often saves the search when its points are paired again a little later on
-/// their way.
+/// A pairing, and data that often save the search when its points are paired again after a small
+/// motion.
 struct TrackedPairing {
   Pairing pairing;
   std::vector<TrackedTriangle> triangles;
 };
 
-/// What a target is made for.
+/// Intended use of a target.
 enum class TargetUse { once, often };
 
 struct RegistrationTarget::Impl {
@@ -51,9 +51,9 @@ struct RegistrationTarget::Impl {
   /// border. With a standoff, the planes are those of the surface in this distance, and across the
   /// way from the nearest point of the surface itself.
   [[nodiscard]] Pairing pair(const Eigen::Matrix3Xd& points) const;
-  /// The same for points on their way.
+  /// The same for points that move in small steps.
   /// \param slack other triangles are looked for up to this much farther away than the nearest.
-  /// About twice the length of the motions to come, few of these need a search.
+  /// With about twice the length of the motions to come, few of these need a search.
   /// \param tracked the pairing before; empty at first.
   void pair(const Eigen::Matrix3Xd& points, double slack, TrackedPairing& tracked) const;
   /// Approximation from the coarse map, in constant time.

@@ -126,7 +126,7 @@ void SurfelGrid::spread_along(int axis, std::vector<int>& squared_distance) {
   const int another = axis == 2 ? 1 : 2;
   parallel_for(cells_[another], [&](int outer) {
     std::vector<int> apex(static_cast<size_t>(length));  // places of the parabolas of the envelope
-    std::vector<double> begin(static_cast<size_t>(length));  // where each begins to be the lowest
+    std::vector<double> begin(static_cast<size_t>(length));  // from here on, each is the lowest
     std::vector<int> distance(static_cast<size_t>(length));
     std::vector<int> surfel(static_cast<size_t>(length));
     for (int inner = 0; inner < cells_[other]; ++inner) {

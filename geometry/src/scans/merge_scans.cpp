@@ -29,7 +29,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// How far scans continue beyond their border: the cells there need all their corners. [spacings]
+/// Extension of scans beyond their border: the cells there need all their corners. [spacings]
 constexpr double kOverhang = 2;
 /// The surface is cut where it is farther than this beyond all scans. [spacings]
 constexpr double kLargestBeyond = 0.5;
@@ -82,7 +82,7 @@ Grid grid_around(const std::vector<TriangleMesh>& meshes, double spacing, double
   return {.origin = box.min().array() - margin, .spacing = spacing};
 }
 
-/// Refuses a scan whose grid points need too much memory beside what is in use.
+/// Refuses a scan whose grid points need too much memory in addition to that in use.
 /// \return [bytes] needed with it.
 double check_memory(const TriangleMesh& mesh, double in_use, const Grid& grid,
                     const MergeScansOptions& options, const std::string& name) {

@@ -11,7 +11,7 @@
 
 namespace palpate::geometry {
 
-/// What messages of `caller` call a scan: its name, or "merge_scans: scan 3".
+/// Name of a scan in messages of `caller`: its own name, or "merge_scans: scan 3".
 [[nodiscard]] std::string scan_name(std::span<const Scan> scans, std::size_t i,
                                     const std::string& caller);
 

@@ -18,11 +18,11 @@ namespace {
 /// Places of a scan that are looked at: fewer if there are many scans, because each is compared
 /// with all others.
 constexpr Eigen::Index kMostPlaces = 1000, kFewestPlaces = 100, kPlacesOfAll = 50000;
-/// Where the viewpoint is not known, other surfaces are looked for along the normal, up to this
-/// many tolerances away: farther off, an open surface may rightly be in front of another.
+/// If the viewpoint is not known, other surfaces are looked for along the normal, up to this many
+/// tolerances away: farther off, an open surface may rightly be in front of another.
 constexpr double kBlindReach = 10;
-/// Two scans share a place iff the other one has a surface near or in front of it. Too few shared
-/// places tell nothing.
+/// Two scans share a place if the other one has a surface near or in front of it. Too few shared
+/// places show nothing.
 constexpr std::size_t kFewestShared = 20;
 /// Scans are in conflict iff more than this share of their shared places is: noise of up to twice
 /// the spacing, outlines and a few loose points stay below.
@@ -35,7 +35,7 @@ GridIndex nearest_point(const Eigen::Vector3d& place) {
   return place.array().round().cast<std::int64_t>();
 }
 
-/// How far a ray from a place inside a cell of a grid of this size goes until it leaves the cell.
+/// Length of a ray from a place inside a cell of a grid of this size to the border of the cell.
 double way_to_next(const Eigen::Vector3d& place, const Eigen::Vector3d& along, double cell) {
   const Eigen::Array3d low = (place.array() / cell).floor() * cell;
   const Eigen::Array3d border = (along.array() > 0).select(low + cell, low);
@@ -43,7 +43,7 @@ double way_to_next(const Eigen::Vector3d& place, const Eigen::Vector3d& along, d
   return (ways >= 0).select(ways, kInfinity).minCoeff();  // NaN: along the border
 }
 
-/// Along a ray, where the surface that it meets first faces along the ray; in units of the grid.
+/// Distance along a ray at which the first surface that it meets faces along it; in grid units.
 /// \param box holds the surface.
 std::optional<double> leaves_surface(const DistanceVolume& surface, const Eigen::AlignedBox3d& box,
                                      const Eigen::Vector3d& from, const Eigen::Vector3d& along,

@@ -20,7 +20,7 @@ class ConflictSearch {
   ConflictSearch(std::span<const Scan> scans, const std::vector<TriangleMesh>& meshes,
                  const Grid& grid, double tolerance);
 
-  /// Looks which places of the others the surface of scan `other` hides.
+  /// Finds the places of other scans that the surface of scan `other` hides.
   /// \param surface its distances, up to the tolerance.
   void add(int other, const DistanceVolume& surface);
 

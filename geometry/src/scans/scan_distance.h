@@ -10,10 +10,10 @@
 
 namespace palpate::geometry {
 
-/// What a scan tells about a place.
+/// The distance of a place from a scan.
 struct PlaceDistance {
   double distance = 0;   ///< [mm] > 0 outside of the scan
-  double weight = 0;     ///< of the scan at the nearest point; 0 where it tells nothing
+  double weight = 0;     ///< of the scan at the nearest point; 0 where the distance is unknown
   double beyond = 0;     ///< [mm] how far the place is beyond the border
   double precision = 0;  ///< [mm^-2] 1 / sigma^2 of the scan at the nearest point
 };
@@ -24,14 +24,14 @@ struct PlaceDistance {
 /// of the two normals at an edge, or the mean weighted by the angles at a vertex, which is right
 /// everywhere for a surface that does not intersect itself (Baerentzen and Aanaes 2005). Of places
 /// whose nearest point is on the border, those beyond it by up to the overhang have the distance to
-/// the tangent plane there; about the others the scan tells nothing.
+/// the tangent plane there; for the others the distance is unknown.
 ///
 /// The weight is 1 / sigma^2, and falls within a few edges of the border, so that the surface does
 /// not step where a scan begins, and steeply beyond it.
 class ScanDistance {
  public:
   /// \param sigma [mm] V, standard deviations of the vertices, > 0; empty if they are equal.
-  /// \param overhang [mm] how far the scan continues beyond its border.
+  /// \param overhang [mm] length by which the scan continues beyond its border.
   /// \throws InvalidInput as `opposite_half_edges`.
   ScanDistance(TriangleMesh mesh, const Eigen::VectorXd& sigma, double overhang);
 
@@ -43,7 +43,7 @@ class ScanDistance {
   [[nodiscard]] const Eigen::Matrix3Xi& opposite() const { return opposite_; }
 
  private:
-  /// The direction outside at a point, and whether that is on the border.
+  /// The outward direction at a point, and true for `border` if the point is on the border.
   struct Side {
     Eigen::Vector3d outward = Eigen::Vector3d::Zero();  ///< any length; zero if it is unknown
     bool border = false;

@@ -91,7 +91,7 @@ class SeamTriangulation {
     }
   }
 
-  /// Where fans touch in a single vertex, a free sector ends at the next fan, not at its own.
+  /// If fans touch in a single vertex, a free sector ends at the next fan, not at its own.
   void part(int vertex, std::vector<Sector>& sectors) const {
     std::vector<Sector> parted;
     std::set<int> ends;
@@ -177,7 +177,7 @@ class SeamTriangulation {
     return angle < 0 ? angle + 2 * std::numbers::pi : angle;
   }
 
-  /// Where an edge from `vertex` to `to` would be: its sector, and the position in it.
+  /// Position of an edge from `vertex` to `to`: its sector, and the position in it.
   [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> place_at(int vertex,
                                                                             int to) const {
     const std::vector<Sector>& sectors = sectors_.at(vertex);
@@ -196,7 +196,7 @@ class SeamTriangulation {
     return std::nullopt;
   }
 
-  /// Whether two edges without a common end cross, seen along the normal.
+  /// Returns true if two edges without a common end cross, seen along the normal.
   [[nodiscard]] bool cross(const Edge& a, const Edge& b, const Vector3d& normal) const {
     const auto side = [&](const Edge& line, int vertex) {
       return normal.dot((at(line.second) - at(line.first)).cross(at(vertex) - at(line.first)));
@@ -272,8 +272,8 @@ class SeamTriangulation {
     for (const std::vector<int>& corners : faces) cut_into_triangles(corners);
   }
 
-  /// Whether a face is part of the gap and oriented like the surface: not the outside of an island,
-  /// nor a hole of one piece.
+  /// Returns true if a face is part of the gap and oriented like the surface: not the outside of an
+  /// island, nor a hole of one piece.
   [[nodiscard]] bool is_of_seam(const std::vector<int>& corners) const {
     const std::set<int> distinct(corners.begin(), corners.end());
     if (corners.size() < 3 || distinct.size() != corners.size()) return false;

@@ -48,8 +48,8 @@ using CellPieces =
 
 bool inside(double distance) { return distance < 0; }
 
-/// Which crossed edges of a cell belong to one piece of the surface: those that a face connects. A
-/// face with four crossed edges separates its inside corners, seen from both of its cells.
+/// Assigns each crossed edge of a cell to a piece of the surface: those that a face connects are
+/// one. A face with four crossed edges separates its inside corners, seen from both of its cells.
 CellPieces pieces_in_cell(const CellDistances& d) {
   CellPieces piece;
   const auto crossed = [&](int e) {

@@ -83,7 +83,7 @@ Eigen::VectorXd distance_to_border(const TriangleMesh& mesh) {
   return geodesic_distance(mesh, sources).distance;
 }
 
-/// How the vertices of one surface see another surface.
+/// Relations of the vertices of one surface to another surface.
 class Overlap {
  public:
   /// Precondition: `mesh` has a triangle.
@@ -106,14 +106,14 @@ class Overlap {
   /// Within reach, and facing the same way.
   [[nodiscard]] bool sees(Eigen::Index v) const { return seen_[static_cast<std::size_t>(v)]; }
 
-  /// Whether it sees the inside of the surface, or its border from a distance below `margin`.
+  /// Returns true if it sees the inside of the surface, or its border from closer than `margin`.
   [[nodiscard]] bool covered(Eigen::Index v, double margin) const {
     return sees(v) && (!at_border(v) || beside(v) < margin);
   }
 
   [[nodiscard]] int triangle(Eigen::Index v) const { return closest_.triangles[v]; }
 
-  /// The closest point is on an edge of the border.
+  /// Returns true if the closest point is on an edge of the border.
   [[nodiscard]] bool at_border(Eigen::Index v) const {
     const int t = closest_.triangles[v];
     for (int k = 0; k < 3; ++k) {
@@ -174,7 +174,7 @@ int drop_triangles_at(TriangleMesh& mesh, const std::vector<bool>& vertices) {
   });
 }
 
-/// Removes from the surface what the scan sees from farther inside its own border.
+/// Removes from the surface the triangles that the scan sees from farther inside its own border.
 int give_way(SurfacePiece& surface, const SurfacePiece& scan, double reach, double lead) {
   const Overlap overlap(scan.mesh, surface.mesh.vertices, surface.normals, reach);
   const Eigen::VectorXd inside_surface = distance_to_border(surface.mesh);
@@ -187,7 +187,7 @@ int give_way(SurfacePiece& surface, const SurfacePiece& scan, double reach, doub
   return drop_triangles_at(surface.mesh, worse);
 }
 
-/// Removes from the scan what covers the surface, or is too close to it for a seam.
+/// Removes from the scan the triangles that cover the surface, or are too close to it for a seam.
 int clip(SurfacePiece& scan, const SurfacePiece& surface, double reach, double gap) {
   int dropped = 0;
   if (surface.empty()) return dropped;

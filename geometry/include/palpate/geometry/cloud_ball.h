@@ -22,17 +22,17 @@ struct SeenBall {
   double radius = 0;
 };
 
-/// Finds the ball of a known radius of which part is seen in a cloud of points, beside anything
-/// else. Each point is a vote for the place in the depth of the radius below it: those of the ball
-/// agree. From the places with most votes, a sphere of this radius is fitted to the points whose
-/// normals agree with it, by least squares of their distances from it; outliers are weighted down
-/// (Tukey). The sphere with most points on it is taken.
+/// Finds the ball of a known radius that is partly visible in a cloud of points, among other
+/// objects. Each point votes for the position one radius below it along its normal: the votes of
+/// points on the ball agree. From the positions with most votes, a sphere of this radius is fitted
+/// to the points whose normals agree with it, by least squares of their distances from it; outliers
+/// are weighted down (Tukey). The sphere with most points on it is returned.
 ///
 /// \param points 3 x N [mm]; those with a coordinate or normal that is not finite are left out.
 /// \param normals 3 x N, unit, towards the camera, which is at the origin. They need not be exact.
 /// \return none if fewer than 30 points are on the ball, these do not determine its centre, their
-/// distances from it are larger than a twentieth of the radius (RMS), no sphere fits them best, or
-/// the camera sees more of other things than of the ball in its middle.
+/// distances from it are larger than a twentieth of the radius (RMS), a fit with free radius fails,
+/// or the camera sees more of other objects than of the ball in its middle.
 /// \throws InvalidInput unless radius > 0 and there are as many normals as points.
 [[nodiscard]] std::optional<SeenBall> find_ball(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                                 const Eigen::Ref<const Eigen::Matrix3Xd>& normals,

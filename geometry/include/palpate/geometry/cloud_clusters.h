@@ -13,8 +13,8 @@ namespace palpate::geometry {
 struct CloudClusterOptions {
   double max_gap = 0;  ///< [mm] points at most this far apart are in one cluster; > 0
   int min_points = 1;  ///< smaller clusters are left out; >= 1
-  /// Called after each part of the work; the last call has done == total. What it throws ends the
-  /// work.
+  /// Called after each part of the work; the last call has done == total. If it throws, the work
+  /// ends.
   std::function<void(int done, int total)> progress = {};
 };
 

@@ -11,12 +11,12 @@
 /// (mesh_distance.h).
 ///
 /// In all functions on point clouds a point with a coordinate that is not finite is unknown: it is
-/// nobody's neighbour, and its own results are NaN. Results are the same for any number of threads.
-/// `progress` is called in the calling thread after each part of the points; the last call has
-/// done == total. What it throws ends the work.
+/// no neighbour of any point, and its own results are NaN. Results are the same for any number of
+/// threads. `progress` is called in the calling thread after each part of the points; the last call
+/// has done == total. If it throws, the work ends.
 namespace palpate::geometry {
 
-/// Most neighbours of a point that a function looks at.
+/// Largest number of neighbours of a point that a function can use.
 inline constexpr int kMostNeighbours = 1000;
 
 /// Distance [mm] >= 0 of each point (3 x N) from the nearest point of `cloud` (3 x M); NaN for an
@@ -27,8 +27,8 @@ inline constexpr int kMostNeighbours = 1000;
     const Eigen::Ref<const Eigen::Matrix3Xd>& cloud,
     const std::function<void(int done, int total)>& progress = {});
 
-/// Distance [mm] of each point (3 x N) from its `count`-th nearest other point; 0 if so many others
-/// are at the same place, infinity if there are not so many others, and NaN for an unknown point.
+/// Distance [mm] of each point (3 x N) from its `count`-th nearest other point; 0 if that many
+/// others are at the same place, infinity if there are fewer others, and NaN for an unknown point.
 /// \throws InvalidInput unless `count` is in [1, kMostNeighbours], or if a coordinate exceeds 1e100.
 [[nodiscard]] Eigen::VectorXd neighbour_distances(
     const Eigen::Ref<const Eigen::Matrix3Xd>& points, int count = 1,

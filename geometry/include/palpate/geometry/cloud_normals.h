@@ -12,11 +12,11 @@ namespace palpate::geometry {
 struct CloudNormalOptions {
   /// Points, itself among them, whose plane gives the normal of a point; in [3, kMostNeighbours].
   int neighbours = 16;
-  /// [mm] Where the points were seen from: normals point there. 3 x 0: unknown; 3 x 1: one place;
-  /// 3 x N: a place for each point.
+  /// [mm] Positions from which the points were seen: normals point towards them. 3 x 0: unknown;
+  /// 3 x 1: one for all points; 3 x N: one for each point.
   Eigen::Matrix3Xd viewpoints = {};
   /// Called in the calling thread after each part of the points; the last call has done == total.
-  /// What it throws ends the work.
+  /// If it throws, the work ends.
   std::function<void(int done, int total)> progress = {};
 };
 

@@ -9,17 +9,17 @@
 #include "palpate/geometry/eigen_alignment.h"
 
 /// Points of a cloud (3 x N [mm]) that are not outliers. Points with a coordinate that is not
-/// finite are left out and are nobody's neighbours. Results do not depend on the order of the
+/// finite are left out and are not neighbours of others. Results do not depend on the order of the
 /// points (for statistics: up to rounding), the frame, or the number of threads.
 namespace palpate::geometry {
 
 struct OutlierOptions {
-  int neighbours = 16;  ///< in [1, kMostNeighbours]; fewer if there are not so many other points
-  /// A point is kept iff its mean distance from its neighbours is at most the mean of that of all
+  int neighbours = 16;  ///< in [1, kMostNeighbours]; fewer if there are fewer other points
+  /// A point is kept if its mean distance from its neighbours is at most the mean of that of all
   /// points plus this many of its standard deviations; > 0.
   double max_deviations = 3;
   /// Called in the calling thread after each part of the points; the last call has done == total.
-  /// What it throws ends the work.
+  /// If it throws, the work ends.
   std::function<void(int done, int total)> progress = {};
 };
 

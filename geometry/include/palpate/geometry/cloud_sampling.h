@@ -8,8 +8,8 @@
 
 #include "palpate/geometry/eigen_alignment.h"
 
-/// Fewer points of a cloud (3 x N [mm]) that cover it as evenly. Points with a coordinate that is
-/// not finite are left out.
+/// Reduces a cloud (3 x N [mm]) to fewer points that cover it evenly. Points with a coordinate that
+/// is not finite are left out.
 namespace palpate::geometry {
 
 struct VoxelSample {
@@ -24,14 +24,14 @@ struct VoxelSample {
 [[nodiscard]] VoxelSample voxel_sample(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                        double edge);
 
-/// Chooses points of which no two are closer than `min_distance` [mm], and to one of which each
-/// point is closer than that (a maximal Poisson-disc sample): points are taken in an order that
-/// follows from a hash of where they are in the box around all of them, unless they are too close
-/// to one before. The order of the points does not matter, nor do the unit of length and the place
-/// of the cloud, beyond the rounding of its coordinates; a cloud that is turned may have another
-/// sample. Points that are equal count as one, the first.
-/// \param progress called after each part of the points; the last call has done == total. What it
-/// throws ends the work.
+/// Chooses points such that no two are closer than `min_distance` [mm], and each point of the cloud
+/// is closer than that to one of them (a maximal Poisson-disc sample). Points are taken in an order
+/// given by a hash of their positions in the box around all of them, unless they are too close to
+/// one taken before. The order of the points in the cloud does not matter, nor do the unit of
+/// length and the position of the cloud, beyond the rounding of its coordinates; a rotated cloud
+/// may have another sample. Equal points count as one, the first.
+/// \param progress called after each part of the points; the last call has done == total. If it
+/// throws, the work ends.
 /// \return indices of the chosen points, ascending.
 /// \throws InvalidInput unless min_distance > 0 and at least 2^-40 of the extent of the points.
 [[nodiscard]] std::vector<int> poisson_sample(

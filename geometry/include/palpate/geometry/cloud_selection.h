@@ -8,7 +8,7 @@
 
 #include "palpate/geometry/mesh_io.h"
 
-/// Clouds with their attributes, made of parts of others.
+/// Makes clouds, with their attributes, from parts of others.
 namespace palpate::geometry {
 
 /// Indices of the points (3 x N [mm]) within a box, ends included, ascending; a point with a
@@ -27,10 +27,10 @@ namespace palpate::geometry {
 /// \throws InvalidInput as `selected`.
 [[nodiscard]] PointCloud with_only(const PointCloud& cloud, std::span<const int> indices);
 
-/// One point for each group of points: `points` (3 x G), each with the means of its group's
-/// attributes as far as they are known, rounded where they are integers; means of normals get unit
-/// length. Not organised;
-/// lists are dropped. Comments and unit stay.
+/// One point for each group of points: `points` (3 x G), each with the means of its
+/// group's attributes as far as they are known, rounded if they are integers; means
+/// of normals get unit length. Not organised; lists are dropped. Comments and unit
+/// stay.
 /// \param group N: the group of each point, -1 for none, as in `VoxelSample::voxel`.
 /// \throws InvalidInput unless each point has a group in [-1, G) and no group is empty, or as
 /// `selected`.

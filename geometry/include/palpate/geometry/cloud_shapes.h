@@ -13,11 +13,11 @@
 
 /// Planes, spheres and cylinders in a cloud of points (3 x N [mm]).
 ///
-/// Random samples of a few points propose shapes (RANSAC; Fischler and Bolles 1981), the best of
-/// which by the truncated squares of the distances (Torr and Zisserman 2000) is fitted to the
+/// Random samples of a few points propose shapes (RANSAC; Fischler and Bolles 1981). The best of
+/// these by the truncated squares of the distances (Torr and Zisserman 2000) is fitted to the
 /// points within the tolerance by least squares of their distances from it, in double precision,
-/// until they no longer change. There are so many samples that a shape with the share `min_share`
-/// of the points is missed with a probability of 1e-3, but at most 1e6.
+/// until they no longer change. The number of samples, at most 1e6, is such that a shape with the
+/// share `min_share` of the points is missed with a probability of 1e-3.
 ///
 /// Points with a coordinate that is not finite are left out. Results are the same for any number of
 /// threads. The samples are the same for the same seed and order of the points; in another order or
@@ -29,14 +29,14 @@ struct CloudShapeOptions {
   /// [mm] Points at most this far from a shape are on it; > 0. About three standard deviations of
   /// the noise.
   double tolerance = 0;
-  double min_share = 0.1;  ///< a shape is found iff this fraction of the points is on it; in (0, 1]
+  double min_share = 0.1;  ///< a shape is found if this fraction of the points is on it; in (0, 1]
   /// [mm] Largest radius of a sphere or cylinder, > 0; without a limit, the diagonal of the cloud's
   /// bounding box. A plane is nearly a sphere of a large radius.
   double max_radius = std::numeric_limits<double>::infinity();
   std::uint64_t seed = 1;
-  /// Called in the calling thread after each batch of trials, of which there are often fewer than
-  /// `total`; the last call has done == total, and a cloud with too few points has none. What it
-  /// throws ends the search.
+  /// Called in the calling thread after each batch of trials, often fewer times than `total`; the
+  /// last call has done == total, and a cloud with too few points has none. If it throws, the
+  /// search ends.
   std::function<void(int done, int total)> progress = {};
 };
 

@@ -12,9 +12,9 @@
 
 namespace palpate::geometry {
 
-/// Weights of contacts at a place of the surface. Three contacts have weight where the surface's
-/// triangle lies inside one triangle of contacts, four where it crosses an edge between two; each
-/// of its corners has at most three.
+/// Weights of contacts at a place of the surface. Three contacts have weight if the surface's
+/// triangle lies inside one triangle of contacts, four if it crosses an edge between two; each of
+/// its corners has at most three.
 struct ContactWeights {
   static constexpr int kMaxCount = 9;
   int count = 0;                            ///< 0 if no contact has influence, or no such place

@@ -26,7 +26,7 @@ enum class ContactTriangulationMethod {
 struct ContactTriangulationOptions {
   ContactTriangulationMethod method = ContactTriangulationMethod::delaunay;
   /// Called in the calling thread after each part of the work, and by `delaunay` now and then while
-  /// vertices are removed; the last call has done == total. What it throws ends the work.
+  /// vertices are removed; the last call has done == total. If it throws, the work ends.
   std::function<void(int done, int total)> progress = {};
 };
 

@@ -17,7 +17,7 @@ struct DecimationOptions {
   std::optional<double> tolerance = {};
   std::optional<int> max_triangles = {};
   /// Called in the calling thread after each mesh that was made. `total` is a limit that
-  /// is often not reached; the last call has done == total. What it throws ends the decimation.
+  /// is often not reached; the last call has done == total. If it throws, the decimation ends.
   std::function<void(int done, int total)> progress = {};
 };
 
@@ -39,7 +39,7 @@ struct Decimation {
 /// This error says little about the distance, so each mesh is checked with the bounds of
 /// `hausdorff_distance`, and the allowed error is searched for the smallest mesh that passes.
 ///
-/// A mesh passes iff
+/// A mesh passes if
 /// - its distance is within the tolerance;
 /// - its edges have one or two consistently oriented triangles, if the input's have;
 /// - at no vertex more fans of triangles meet than in the input;
@@ -61,9 +61,9 @@ struct TexturedDecimation {
 /// but does not open there, and each corner keeps a place in the texture that its vertex had in the
 /// input.
 ///
-/// With a tolerance, a mesh passes iff also the texture is displaced by no more than that, as seen
-/// at seven places of each new triangle: its centre, half-way from there to its corners, and the
-/// middle of its sides.
+/// With a tolerance, a mesh passes only if the texture is also displaced by no more than that, as
+/// seen at seven places of each new triangle: its centre, half-way from there to its corners, and
+/// the middle of its sides.
 /// \throws InvalidInput also if the texture has another number of triangles.
 [[nodiscard]] TexturedDecimation decimate(const TriangleMesh& mesh, const CornerTexture& texture,
                                           const DecimationOptions& options);

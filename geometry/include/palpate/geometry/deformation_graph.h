@@ -16,7 +16,7 @@ struct DeformationGraphOptions {
 };
 
 /// Deformation graph: a surface deformed by few parameters (Sumner, Schmid and Pauly 2007). Each of
-/// some hundred nodes has a rigid motion M_k, blended in between:
+/// several hundred nodes has a rigid motion M_k, blended in between:
 ///
 ///     v' = sum_k w_k M_k v        k: the kInfluences nodes nearest to v along the surface
 ///

@@ -18,8 +18,8 @@ struct SplitMesh {
 
 /// Splits edges at their middles until none is too long. Triangles keep their orientation; those
 /// without a long edge come first, in their order.
-/// \param is_long whether an edge between two points is too long; false for all edges that are
-/// shorter than some length.
+/// \param is_long returns true if an edge between two points is too long; must return false for all
+/// edges that are shorter than some length.
 /// \throws InvalidInput if the mesh is not valid, or would have more vertices than an int counts.
 [[nodiscard]] SplitMesh split_edges(
     const TriangleMesh& mesh,

@@ -6,13 +6,13 @@
 
 namespace palpate::geometry {
 
-/// Exponent of the mean squared distance to contacts in the squared error of what is interpolated
-/// between them. The error of the nearest contact's value grows as if it were 1, that of linear
-/// interpolation as if it were 2. Errors of several objects agree best in between
+/// Squared errors of interpolation between contacts grow with this power of the mean squared
+/// distance to the contacts. The exponent would be 1 for the value of the nearest contact, and 2
+/// for linear interpolation. Errors of several objects agree best with a value in between
 /// (docs/trade-model.md).
 inline constexpr double kErrorGrowth = 1.25;
-/// How much more a squared distance beyond the contacts counts, where the place is not between
-/// them: values are continued there, not interpolated.
+/// Factor by which a squared distance beyond the contacts counts more, at a place that is not
+/// between them: there, values are extrapolated, not interpolated.
 inline constexpr double kBeyondGrowth = 2;
 
 /// [mm^2] The squared distance with which errors grow at a place x, from contacts x_k with weights
@@ -23,7 +23,7 @@ inline constexpr double kBeyondGrowth = 2;
   return mean_square + (kBeyondGrowth - 1) * beyond_square;
 }
 
-/// [mm^2.5] What squared errors are proportional to.
+/// [mm^2.5] A quantity to which squared errors are proportional.
 [[nodiscard]] inline double error_growth(double reach) { return std::pow(reach, kErrorGrowth); }
 
 }  // namespace palpate::geometry

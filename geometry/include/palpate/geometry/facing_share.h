@@ -9,7 +9,7 @@
 
 namespace palpate::geometry {
 
-/// [0, 1] How much of the surface around each place faces a direction d: the share of the area of
+/// [0, 1] Share of the surface around each place that faces a direction d: the share of the area of
 /// triangles whose normal n has n . d > 0, among those at the place and at all vertices within
 /// `radius` of it that are connected with it inside that ball. A triangle counts once for each of
 /// these vertices. Unlike the normal of the triangle at the place, the share hardly depends on a

@@ -20,7 +20,7 @@ struct GeodesicOptions {
   GeodesicMethod method = GeodesicMethod::fast_marching;
   double stop_radius = std::numeric_limits<double>::infinity();  ///< [mm] largest distance; > 0
   /// Called by `exact` in the calling thread now and then, with the number of vertices that were
-  /// reached and of all; the last call has done == total. What it throws ends the work.
+  /// reached and of all; the last call has done == total. If it throws, the work ends.
   std::function<void(int done, int total)> progress = {};
 };
 

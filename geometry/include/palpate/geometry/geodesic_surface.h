@@ -8,8 +8,8 @@
 
 namespace palpate::geometry {
 
-/// A mesh with what distances and paths on it need: its triangles by vertex and, for exact ones,
-/// each triangle laid in a plane. Each is made when a call first needs it, and kept for the next.
+/// A mesh with the data that distances and paths on it need: its triangles by vertex and, for exact
+/// ones, each triangle laid in a plane. Each is made when a call first needs it, and then kept.
 /// Copies share this data. Const use is thread-safe.
 ///
 /// Functions of geodesics take a `GeodesicSurface`. For a single call, pass a `TriangleMesh`.

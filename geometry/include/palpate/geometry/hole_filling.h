@@ -9,12 +9,12 @@
 namespace palpate::geometry {
 
 struct HoleFillingOptions {
-  /// [mm] > 0, must be set: a border loop is filled iff the diagonal of its bounding box is at most
-  /// this and it is a hole. It is not a hole, but the outline of its part of the surface, iff the
+  /// [mm] > 0, must be set: a border loop is filled if the diagonal of its bounding box is at most
+  /// this and it is a hole. It is not a hole, but the outline of its part of the surface, if the
   /// bounding box of that part is at most 1.05 times as large. Infinity also fills outlines.
   double max_diameter = 0;
-  /// Called in the calling thread after each border loop; the last call has done == total. What it
-  /// throws ends the filling.
+  /// Called in the calling thread after each border loop; the last call has done == total. If it
+  /// throws, the filling ends.
   std::function<void(int done, int total)> progress = {};
 };
 

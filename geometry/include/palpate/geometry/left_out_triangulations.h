@@ -11,9 +11,9 @@
 namespace palpate::geometry {
 
 /// Triangulations of all contacts but one. With `delaunay`, the surface is coarsened once, to all
-/// contacts; one that is left out is then removed as any other vertex, which takes a small part of
-/// the time. At the border, whose shape needs it, it stays as a helper, and the helpers stay as far
-/// apart as for all contacts. Thread-safe.
+/// contacts; the one that is left out is then removed like any other vertex, which takes a small
+/// part of the time. At the border, whose shape needs it, it stays as a helper, and the helpers
+/// stay as far apart as for all contacts. Thread-safe.
 class LeftOutTriangulations {
  public:
   /// \param surface must outlive this.

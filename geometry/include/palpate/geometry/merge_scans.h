@@ -33,13 +33,13 @@ struct MergeScansOptions {
   double reach = 3;
   double max_memory = 4;
   /// Called in the calling thread before and after each scan is added, with the number of scans
-  /// done and of all; up to four are computed at a time. What it throws ends the merging.
+  /// done and of all; up to four are computed at a time. If it throws, the merging ends.
   std::function<void(int done, int total)> progress = {};
 };
 
 void visit(MergeScansOptions& options, FieldVisitor& visitor);
 
-/// Two scans that cannot both be right: one saw through where the other has a surface.
+/// Two scans that cannot both be right: one saw through a place where the other has a surface.
 struct ScanConflict {
   int scan = 0;      ///< saw places ...
   int other = 0;     ///< ... that this one hides
@@ -52,8 +52,8 @@ struct MergedScans {
   /// [mm] standard deviations of the vertices; empty unless all scans have a `sigma`
   Eigen::VectorXd sigma;
   double spacing = 0;  ///< [mm] of the grid
-  /// Check this before you use the mesh: the pairs of scans that disagree in more than a tenth of
-  /// what they share, the worst first. The object moved, or poses are wrong, by more than `reach`.
+  /// Check this before you use the mesh: pairs of scans that disagree in more than a tenth of their
+  /// common part, worst first. The object moved, or poses are wrong, by more than `reach`.
   std::vector<ScanConflict> conflicts;
 };
 
@@ -70,7 +70,7 @@ struct MergedScans {
 /// `zipper_scans` to keep the measured vertices.
 ///
 /// Scans are compared along the lines on which their places were seen: to the viewpoint, or, if it
-/// is not known, a short way along the normals. There must be no surface of another scan.
+/// is not known, a short way along the normals. No surface of another scan may be there.
 ///
 /// The order of the scans matters only for rounding.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`), not manifold

@@ -25,7 +25,7 @@ enum class DefectKind {
   triangle_intersecting  ///< meets another triangle elsewhere than at shared vertices and edges
 };
 
-/// A triangle is a needle iff its smallest height is below this fraction of its longest side. Noise
+/// A triangle is a needle if its smallest height is below this fraction of its longest side. Noise
 /// starts to affect its normal and angles, but every function works on it.
 inline constexpr double kNeedleHeight = 1e-3;
 
@@ -35,9 +35,9 @@ struct MeshDefect {
       elements;  ///< vertices or triangles, depending on the kind; ascending, not empty
 };
 
-/// Finds all defects of a mesh, in the order of `DefectKind`; empty iff there are none. Never
-/// throws on a bad mesh. Defects that need valid corners are searched among the triangles that have
-/// them. Triangles that intersect others take longer to find: `find_all_defects` of
+/// Finds all defects of a mesh, in the order of `DefectKind`; empty if there are none. Never throws
+/// on a bad mesh. Defects that need valid corners are searched among the triangles that have them.
+/// Triangles that intersect others take longer to find: `find_all_defects` of
 /// `self_intersections.h` finds them too.
 [[nodiscard]] std::vector<MeshDefect> find_defects(const TriangleMesh& mesh);
 

@@ -28,7 +28,7 @@ struct ReadOptions {
   bool keep_defects = false;
 };
 
-/// Where the unit of a file comes from: ReadOptions, the file, or neither (assumed mm).
+/// Source of the unit of a file: ReadOptions, the file, or neither (assumed mm).
 enum class UnitSource { stated, declared, assumed };
 
 struct FileUnit {
@@ -68,8 +68,8 @@ struct WriteOptions {
   bool single_precision = false;
 };
 
-/// Reads a mesh; the extension of `path` determines the format, or the content if it has none, as
-/// /dev/stdin and other pipes have none (PLY, OBJ, STL, OFF or binary glTF). Polygons are
+/// Reads a mesh; the extension of `path` determines the format. If there is none, as for /dev/stdin
+/// and other pipes, the content does (PLY, OBJ, STL, OFF or binary glTF). Polygons are
 /// triangulated, and triangles that use a vertex twice are left out. Coordinates are read to the
 /// last digit; vertices keep their order.
 ///
@@ -85,10 +85,10 @@ struct WriteOptions {
 ///   vertex, exactly equal corners are joined and lose normals and colours. Assimp may repair some
 ///   damage without a message. Colours of glTF are linear in the light; they become those of sRGB,
 ///   as other formats have them, and linear again when written.
-/// Formats of our own (all but glTF and others of assimp) take at most 64 times the size of the
-/// file as memory. What glTF announces is held against the limit of `memory_limit.h`. What else
-/// assimp reads is not limited: how much a compressed file holds (FBX, 3MF, X, BLEND, ZGL) only
-/// assimp learns, and it asks nobody.
+/// All formats but glTF and others of assimp take at most 64 times the size of the file as memory.
+/// Sizes that glTF declares are checked against the limit of `memory_limit.h`. Other formats of
+/// assimp have no limit: only assimp learns how much a compressed file (FBX, 3MF, X, BLEND, ZGL)
+/// holds, and it offers no check.
 /// \throws FileError if the file is missing, truncated, empty or not a mesh, or has a bad index or
 /// a vertex that is not finite.
 /// \throws InvalidInput if an option is not valid.
@@ -112,11 +112,11 @@ struct WriteOptions {
                                            const ReadOptions& options = {});
 
 /// Writes a mesh in the format of the extension of `path`, and declares mm in a comment. Reading
-/// the file gives the same bits, except for what the format cannot store: - .ply: everything,
-/// coordinates as float64; `text` and both byte orders. - .obj: text; vertices, triangles, normals,
-/// colours from 0 to 1, comments. - .stl: only triangles; `binary` (coordinates rounded to float)
-/// or `text` (not rounded). - .glb: in metres and rounded to float; triangles, normals, colours.
-/// - .vtk: binary; everything but comments and lists.
+/// the file gives the same bits, except for what the format cannot store. .ply has everything, with
+/// coordinates as float64; `text` and both byte orders. .obj has text: vertices, triangles,
+/// normals, colours from 0 to 1, comments. .stl has only triangles; `binary` (coordinates rounded
+/// to float) or `text` (not rounded). .glb is in metres and rounded to float: triangles, normals,
+/// colours. .vtk is binary: everything but comments and lists.
 /// \throws InvalidInput for another extension or encoding, if the mesh, an attribute or a comment
 /// is not valid, or if a number that must be written as float is out of its range.
 /// \throws OutputError if the file cannot be written.

@@ -11,7 +11,7 @@ namespace palpate::geometry {
 
 struct RepairOptions {
   /// Called in the calling thread after each part of the work, and while triangles without area are
-  /// removed; the last call has done == total. What it throws ends the repair.
+  /// removed; the last call has done == total. If it throws, the repair ends.
   std::function<void(int done, int total)> progress = {};
 };
 
@@ -26,7 +26,7 @@ struct RepairedMesh {
   int welded_vertices = 0;    ///< joined with an earlier vertex at exactly the same place
   int split_vertices = 0;     ///< added where fans or sheets that meet at a vertex were separated
   int removed_vertices = 0;   ///< not finite, or left without triangles
-  int cut_edges = 0;          ///< where triangles that cannot form one surface were separated
+  int cut_edges = 0;          ///< edges between triangles that cannot form one surface
 };
 
 /// Repairs a copy of a mesh (see `find_defects`). Every triangle with valid corners and non-zero

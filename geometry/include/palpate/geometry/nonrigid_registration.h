@@ -13,20 +13,20 @@
 
 namespace palpate::geometry {
 
-/// Where a vertex of the deformed surface is known to be, whether the map shows it or not.
+/// A known position of a vertex of the deformed surface, whether or not the map shows the vertex.
 struct KnownVertex {
   int vertex = 0;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< [mm] camera frame
 };
 
-/// An image is blurred by this many standard deviations, to follow a surface from far and then
-/// exactly.
+/// Number of blurs of an image, of different standard deviations, to follow a surface from far and
+/// then exactly.
 inline constexpr int kIntensityBlurs = 3;
 
 /// Intensities of the vertices of a surface, for each blur of an image; NaN where unknown.
 using VertexIntensities = Eigen::Matrix<float, kIntensityBlurs, Eigen::Dynamic>;
 
-/// What the camera of a range map sees beside its depths.
+/// Intensities that the camera of a range map sees, in addition to depths.
 struct SeenIntensities {
   /// Intensity of each pixel of the range map in any unit; NaN where unknown. Empty if there is
   /// none.
@@ -36,10 +36,10 @@ struct SeenIntensities {
 
 struct NonRigidOptions {
   int max_iterations = 60;  ///< >= 1
-  /// Initial gate: a vertex is attracted to the measured surface iff its distance from it is at
-  /// most this fraction of the mesh's diagonal. It must cover the deformation; > 0.
+  /// Initial gate: a vertex is attracted to the measured surface if its distance from it is at most
+  /// this fraction of the mesh's diagonal. It must cover the deformation; > 0.
   double max_correspondence = 0.06;
-  /// Final gate. It must exclude what does not belong to the surface; in (0, max_correspondence].
+  /// Final gate. It must exclude points beside the surface; in (0, max_correspondence].
   double min_correspondence = 0.01;
   double max_normal_angle = 1.0;  ///< [rad] between the two surfaces; in (0, pi/2)
   /// Resistance of a node to moving differently from its neighbours, relative to the measured
@@ -47,14 +47,14 @@ struct NonRigidOptions {
   /// smoothly.
   double stiffness = 0.02;
   /// Strength with which each node is held at its undeformed place, relative to the measured points
-  /// around it; >= 0. For an object that is held and only pressed: what the map does not show, such
-  /// as a motion of a plane in itself, then stays as small as it can be.
+  /// around it; >= 0. For an object that is held and only pressed: motion that the map does not
+  /// show, such as that of a plane in itself, then stays as small as possible.
   double hold = 0;
-  /// `stop` is `poor_match` iff the surface converged and less than this fraction of the vertices
+  /// `stop` is `poor_match` if the surface converged and less than this fraction of the vertices
   /// whose pixels have a measurement are on the measured surface; in [0, 1].
   double min_matched = 0.3;
   /// Called in the calling thread after each iteration, of which there are often fewer than
-  /// `total`; the last call has done == total. What it throws ends the registration.
+  /// `total`; the last call has done == total. If it throws, the registration ends.
   std::function<void(int done, int total)> progress = {};
 };
 
@@ -92,7 +92,7 @@ struct DeformedSurface {
   /// plane. Large where neither relief nor texture shows this motion.
   Eigen::VectorXd sigma_along;
   double rms = 0;      ///< [mm] root mean square of `distance` where seen; NaN if no vertex is
-  double matched = 0;  ///< fraction seen of those before which something was measured
+  double matched = 0;  ///< fraction seen of the vertices whose pixels have a measurement
   int iterations = 0;
   /// Check this before you use the vertices.
   NonRigidStop stop = NonRigidStop::max_iterations;

@@ -114,8 +114,8 @@ template <class Point>
               Strides(kFloats * static_cast<Eigen::Index>(cloud.width), kFloats));
 }
 
-/// Converts a cloud with what its attributes and the type of points both have of normals and
-/// colours, as organised as before; fields without an attribute keep PCL's default.
+/// Converts a cloud with those normals and colours that its attributes and the type of points both
+/// have, as organised as before; fields without an attribute keep PCL's default.
 /// \tparam Point  any of PCL's point types with x, y and z.
 /// \throws InvalidInput unless width * height is the number of points, and if an attribute has not
 /// one element for each point.
@@ -178,7 +178,7 @@ template <class Point>
 
 namespace pcl_detail {
 
-// The fields that PCL has for an attribute of ours, and the other way round.
+// Name of the field that PCL has for one of our attributes.
 inline std::string pcl_name(const std::string& name) {
   for (const char* axis : {"x", "y", "z"})
     if (name == std::string("n") + axis) return std::string("normal_") + axis;
@@ -265,8 +265,8 @@ std::vector<Number> field_values(const pcl::PCLPointCloud2& cloud,
   return cloud;
 }
 
-/// Converts a cloud with all fields of one number; the other way of `to_pcl_cloud2`. Of "rgba" the
-/// alpha is kept.
+/// Converts a cloud with all fields of one number; the inverse of `to_pcl_cloud2`. The alpha of
+/// "rgba" is kept.
 /// \throws InvalidInput naming what is missing: x, y or z, or data within a field.
 [[nodiscard]] inline PointCloud from_pcl_cloud2(const pcl::PCLPointCloud2& from) {
   PointCloud cloud;

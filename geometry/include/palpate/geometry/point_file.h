@@ -9,8 +9,8 @@
 
 namespace palpate::geometry {
 
-/// Reads what a file holds, in one go: points if it is a PCD file or has vertices alone, else a
-/// mesh.
+/// Reads a file once and returns its content: points if it is a PCD file or has only vertices,
+/// otherwise a mesh.
 /// \throws FileError, InvalidInput as `read_mesh_file` and `read_point_cloud`.
 [[nodiscard]] std::variant<MeshFile, PointCloud> read_mesh_or_points(
     const std::filesystem::path& path, const ReadOptions& options = {});

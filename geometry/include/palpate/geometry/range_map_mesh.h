@@ -10,11 +10,11 @@
 namespace palpate::geometry {
 
 struct RangeMapMeshOptions {
-  /// Two neighbouring pixels are on one surface iff their depths differ by at most this fraction of
+  /// Two neighbouring pixels are on one surface if their depths differ by at most this fraction of
   /// the smaller depth, or agree within this fraction with the slopes on both sides; > 0. A smooth
   /// steep surface is therefore not cut.
   double max_depth_step = 0.02;
-  /// A triangle is kept iff the angle between its normal and its viewing ray is at most this [rad];
+  /// A triangle is kept if the angle between its normal and its viewing ray is at most this [rad];
   /// in (0, pi/2].
   double max_incidence = 1.4;
 };

@@ -7,7 +7,7 @@
 
 namespace palpate::geometry {
 
-/// A depth is wrong (a gross error) iff it differs from the true depth by more than this fraction
+/// A depth is wrong (a gross error) if it differs from the true depth by more than this fraction
 /// of it, or there is no surface. Losing one period of a pattern causes an error a few times as
 /// large.
 inline constexpr double kWrongDepth = 0.01;
@@ -28,7 +28,7 @@ struct RangeMapScore {
   ErrorStatistics error;           ///< [mm] measured minus true depth of the other measured pixels
   ErrorStatistics relative_error;  ///< the same, each as a fraction of the true depth
   ImageF difference;               ///< [mm] the same as an image; NaN at all other pixels
-  PixelMask wrong_pixels;          ///< where the depth is wrong
+  PixelMask wrong_pixels;          ///< true where the depth is wrong
 };
 
 /// Scores a measured range map.

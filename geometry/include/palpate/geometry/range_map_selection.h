@@ -14,7 +14,7 @@
 
 namespace palpate::geometry {
 
-/// Which depths of a range map to keep: those of the object, without its background. `visit`
+/// Options that select depths of a range map: those of the object, without its background. `visit`
 /// describes the fields.
 struct RangeMapSelectionOptions {
   std::optional<double> near = {};  ///< [mm] nearer depths are left out; > 0
@@ -32,10 +32,10 @@ void visit(RangeMapSelectionOptions& options, FieldVisitor& visitor);
 /// extent.
 void check_selection(const RangeMapSelectionOptions& options);
 
-/// Whether the options can leave out a depth.
+/// Returns true if the options can leave out a depth.
 [[nodiscard]] bool selects(const RangeMapSelectionOptions& options);
 
-/// A plane is removed iff it has at least this share of the points that the other options keep.
+/// A plane is removed if it has at least this share of the points that the other options keep.
 inline constexpr double kLeastPlane = 0.1;
 
 /// The depths that are kept, and how many pixels each option has left out. An option does not count
@@ -47,11 +47,11 @@ struct RangeMapSelection {
   long too_near = 0, too_far = 0;  ///< pixels
   long outside_crop = 0;           ///< pixels
   long masked = 0;                 ///< pixels
-  /// Pixels that show no direction, by the lens distortion; they are left out with a plane.
+  /// Pixels without a viewing ray, by the lens distortion; they are left out with a plane.
   long without_ray = 0;
   long on_plane = 0;                 ///< pixels on the plane or behind it
   double nearest = 0, farthest = 0;  ///< [mm] of all known depths; NaN if there are none
-  /// That was removed, without inliers; its normal points to the camera.
+  /// The plane that was removed, without inliers; its normal points to the camera.
   std::optional<CloudPlane> plane = {};
 };
 

@@ -45,7 +45,7 @@ struct RegistrationOptions {
   double max_rms = std::numeric_limits<double>::infinity();
   int max_iterations = 100;
   /// Called in the calling thread after each part of the work and each of its own iterations (not
-  /// those of PCL); the last call has done == total. What it throws ends the registration.
+  /// those of PCL); the last call has done == total. If it throws, the registration ends.
   std::function<void(int done, int total)> progress = {};
 };
 

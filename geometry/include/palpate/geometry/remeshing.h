@@ -11,15 +11,15 @@
 namespace palpate::geometry {
 
 struct RemeshingOptions {
-  double edge_length = 0;  ///< [mm] that the edges shall have; > 0, no default
-  /// [rad] in (0, pi]; an edge is a feature iff the normals of its two triangles differ by more.
-  /// pi: only the border is.
+  double edge_length = 0;  ///< [mm] target length of the edges; > 0, no default
+  /// [rad] in (0, pi]; an edge is a feature if the normals of its two triangles differ by more.
+  /// pi: only the border is one.
   double feature_angle = std::numbers::pi / 3;
   int iterations = 10;  ///< >= 1; edges and angles hardly change after ten
-  /// >= 1; what would need more is refused. A triangle takes some 200 bytes while it is worked on.
+  /// >= 1; a mesh that needs more is refused. A triangle takes some 200 bytes during the work.
   int max_triangles = 20'000'000;
   /// Called in the calling thread after each part of the work; the last call has done == total.
-  /// What it throws ends the remeshing.
+  /// If it throws, the remeshing ends.
   std::function<void(int done, int total)> progress = {};
 };
 
@@ -30,7 +30,7 @@ struct Remeshing {
   std::vector<SurfacePoint> places;
 };
 
-/// A vertex on a feature may be moved or left out iff it is on the straight line between its
+/// A vertex on a feature may be moved or left out only if it is on the straight line between its
 /// neighbours there, within this fraction of the edge length.
 inline constexpr double kFeatureTolerance = 1e-4;
 

@@ -14,7 +14,7 @@ namespace palpate::geometry {
 /// Tukey's weights are zero from this many deviations on.
 inline constexpr double kTukeyCutOff = 4.685;
 
-/// Tukey's biweight: 1 for what fits, 0 from the cut-off on.
+/// Tukey's biweight: 1 at distance 0, 0 from the cut-off on.
 /// \param distance >= 0
 [[nodiscard]] inline double tukey_weight(double distance, double deviation) {
   const double ratio = distance / (kTukeyCutOff * deviation);

@@ -10,8 +10,8 @@
 namespace palpate::geometry {
 
 struct SelfIntersectionRemovalOptions {
-  /// Called in the calling thread from time to time with the number of triangles that intersect no
-  /// more and of those that did; the last call has done == total. What it throws ends the removal.
+  /// Called in the calling thread now and then with the numbers of triangles that no longer
+  /// intersect and that did; the last call has done == total. If it throws, the removal ends.
   std::function<void(int done, int total)> progress = {};
 };
 
@@ -24,11 +24,11 @@ struct SelfIntersectionRemoval {
   int left = 0;   ///< those of the result
 };
 
-/// Removes intersections of neighbouring parts of a surface, such as noise, folds and spikes leave:
+/// Removes intersections of neighbouring parts of a surface, as noise, folds and spikes cause them:
 /// smooths the places, or cuts them out and fills the holes (experimental in CGAL 5.5). The rest of
-/// the mesh stays as it is, and the surface keeps its topology. Where distant parts or two surfaces
-/// pass through each other, which of them is wrong cannot be told from the mesh: these triangles
-/// stay, and are counted in `left`. The mesh must be manifold and oriented: see `repair_mesh`.
+/// the mesh stays as it is, and the surface keeps its topology. If distant parts or two surfaces
+/// pass through each other, the mesh does not tell which of them is wrong: these triangles stay,
+/// and are counted in `left`. The mesh must be manifold and oriented: see `repair_mesh`.
 ///
 /// Takes about half a millisecond of processor time per intersecting triangle, up to two in large
 /// meshes.

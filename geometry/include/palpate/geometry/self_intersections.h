@@ -21,7 +21,7 @@ namespace palpate::geometry {
 /// \throws SolverError if there is not enough memory for the search tree.
 [[nodiscard]] std::vector<int> intersecting_triangles(const TriangleMesh& mesh);
 
-/// Finds what `find_defects` finds, and then the triangles that intersect others.
+/// Finds the defects that `find_defects` finds, and then the triangles that intersect others.
 /// \throws SolverError if there is not enough memory for the search tree.
 [[nodiscard]] std::vector<MeshDefect> find_all_defects(const TriangleMesh& mesh);
 

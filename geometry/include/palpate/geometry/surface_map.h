@@ -17,17 +17,17 @@ struct Landmarks {
 };
 
 struct SurfaceMapOptions {
-  /// A landmark is rejected iff its distance from its surface exceeds this fraction of the
-  /// surface's diagonal; > 0. Accepted landmarks are projected onto the surface.
+  /// A landmark is rejected if its distance from its surface exceeds this fraction of the surface's
+  /// diagonal; > 0. Accepted landmarks are projected onto the surface.
   double max_landmark_distance = 0.02;
-  /// A triangle is distorted iff the ratio of its area stretch to that of the whole surface is
-  /// above this factor, or below its inverse; > 1.
+  /// A triangle is distorted if the ratio of its area stretch to that of the whole surface is above
+  /// this factor, or below its inverse; > 1.
   double max_area_distortion = 3;
-  /// A triangle is distorted iff its stretch in one direction exceeds this factor times its stretch
+  /// A triangle is distorted if its stretch in one direction exceeds this factor times its stretch
   /// in the perpendicular direction; > 1.
   double max_angle_distortion = 3;
-  /// The map is not sensible iff more than this share of the area is distorted or folded; in
-  /// [0, 1].
+  /// The map is not sensible if more than this share of the area is distorted or folded;
+  /// in [0, 1].
   double max_bad_share = 0.2;
 };
 

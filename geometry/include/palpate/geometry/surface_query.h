@@ -64,7 +64,7 @@ class SurfaceQuery {
   /// there is no crossing or an end is not finite.
   ///
   /// An end on the surface, within the rounding of its coordinates, is a crossing (so a segment of
-  /// zero length hits iff it is on the surface); a segment in the plane of a triangle crosses it
+  /// zero length hits if it is on the surface); a segment in the plane of a triangle crosses it
   /// only with its ends. A segment 1e15 times as long as the mesh may miss it because of rounding.
   [[nodiscard]] std::optional<SegmentHit> first_hit(const Eigen::Vector3d& start,
                                                     const Eigen::Vector3d& end) const noexcept;
@@ -78,14 +78,14 @@ class SurfaceQuery {
   /// fraction and then by triangle. None if an end is not finite.
   ///
   /// No crossing counts twice: a segment exactly through an edge or a vertex counts as if it passed
-  /// beside it, at an infinitesimal distance, to the same side for all triangles. So where the
-  /// surface goes through it crosses one of the triangles there; at a fold, at which the surface
+  /// beside it, at an infinitesimal distance, to the same side for all triangles. If the surface
+  /// goes through there, the segment crosses one of the triangles; at a fold, at which the surface
   /// only touches the segment, two or none (then unlike `first_hit`), and at the border one or
   /// none. A line that begins and ends outside a closed surface therefore crosses it an even number
-  /// of times, in turns inwards and outwards if the surface does not intersect itself (where two
+  /// of times, in turns inwards and outwards if the surface does not intersect itself (if two
   /// crossings are equally far within rounding, in any order). A segment in the plane of a triangle
-  /// does not cross it. An end on the surface, within the rounding of its
-  /// coordinates, is a crossing at fraction 0 or 1. Allocates the result.
+  /// does not cross it. An end on the surface, within the rounding of its coordinates, is a
+  /// crossing at fraction 0 or 1. Allocates the result.
   [[nodiscard]] std::vector<SegmentHit> all_hits(const Eigen::Vector3d& start,
                                                  const Eigen::Vector3d& end) const;
 

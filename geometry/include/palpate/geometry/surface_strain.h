@@ -8,8 +8,8 @@
 
 namespace palpate::geometry {
 
-/// How a surface is stretched at each vertex, compared with a reference. All values are NaN at a
-/// vertex whose neighbours do not determine them.
+/// Stretch of a surface at each vertex, relative to a reference. All values are NaN at a vertex
+/// whose neighbours do not determine them.
 struct SurfaceStrain {
   Eigen::VectorXd largest, smallest;  ///< V; principal stretches: length / length in the reference
   Eigen::Matrix3Xd direction;  ///< 3 x V; unit vector of the largest stretch, on the moved surface;
@@ -17,7 +17,7 @@ struct SurfaceStrain {
   Eigen::VectorXd area;        ///< V; area / area in the reference
 };
 
-/// Measures how a surface is stretched. At each vertex the linear map from the tangent plane of the
+/// Computes the stretch of a surface. At each vertex the linear map from the tangent plane of the
 /// reference to that of the moved surface is fitted to the neighbours (least squares); the
 /// stretches are its singular values. Neighbours are placed in the planes at their distances in
 /// space, so that neither curvature nor bending counts as stretch, up to the square of the angle

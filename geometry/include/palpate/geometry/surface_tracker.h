@@ -14,16 +14,16 @@
 
 namespace palpate::geometry {
 
-/// How to follow a surface through range maps. `visit` describes the fields.
+/// Options for following a surface through range maps. `visit` describes the fields.
 struct TrackingOptions {
   int nodes = DeformationGraphOptions{}.nodes;
   double stiffness = NonRigidOptions{}.stiffness;
   double hold = NonRigidOptions{}.hold;
   double reach = NonRigidOptions{}.max_correspondence;
   int iterations = NonRigidOptions{}.max_iterations;
-  /// The visible part is right however little there is: with 0 to 97 % of a moving surface hidden,
-  /// its vertices were 0.1 to 0.8 mm from their true positions, the hidden ones 0.2 mm (10 %),
-  /// 1.9 mm (30 %) and 3 to 11 mm (40 % and more).
+  /// The visible part is right even if it is small: with 0 to 97 % of a moving surface hidden, its
+  /// vertices were 0.1 to 0.8 mm from their true positions, the hidden ones 0.2 mm (10 %), 1.9 mm
+  /// (30 %) and 3 to 11 mm (40 % and more).
   double min_visible = 0.3;
   /// A reference that lies elsewhere is stretched to fit the relief it meets, and part of it meets
   /// none: stretch / visible fraction was 0.018 to 0.15 for references 75 to 500 mm aside that were
@@ -35,7 +35,7 @@ struct TrackingOptions {
 
 void visit(TrackingOptions& options, FieldVisitor& visitor);
 
-/// How well a surface lies on a range map.
+/// Figures that tell how well a surface fits a range map.
 struct TrackingFigures {
   double rms = 0;           ///< [mm] distances of measured vertices from the measured surface
   double p95 = 0;           ///< [mm]
@@ -46,7 +46,7 @@ struct TrackingFigures {
   double sigma_across = 0;  ///< [mm] median where the surface is measured
   double sigma_along = 0;   ///< [mm] the same
   int iterations = 0;
-  bool settled = false;  ///< the nodes moved no more before the iterations ended
+  bool settled = false;  ///< the nodes had stopped moving before the iterations ended
 };
 
 /// A surface in one range map.
@@ -68,14 +68,14 @@ class SurfaceTracker {
   /// Continues from a frame that was tracked earlier.
   void start_from(std::vector<Eigen::Isometry3d> node_motions);
 
-  /// Whether a frame was found: the next one starts there.
+  /// Returns true if a frame was found: the next one starts there.
   [[nodiscard]] bool has_start() const { return !motions_.empty(); }
 
   /// Finds the surface in a range map. If it is lost, the next frame starts where this one did.
-  /// \param known vertices whose places are known otherwise.
+  /// \param known vertices whose positions are known from other sources.
   /// \param image intensity of each pixel in any unit, NaN where unknown; empty if there is none.
-  /// The first frame that is found with one tells the texture of the surface, by which later frames
-  /// show how it moves along itself.
+  /// The first frame that is found with an image gives the texture of the surface, from which later
+  /// frames show motion along the surface.
   /// \throws InvalidInput if the camera or a known vertex is not valid, or the image has not the
   /// size of the map.
   TrackedSurface track(const RangeMap& map, std::span<const KnownVertex> known = {},

@@ -11,7 +11,7 @@
 
 namespace palpate::geometry {
 
-/// Where the corners of triangles are in a texture. A vertex may have several places there: at the
+/// Positions of the corners of triangles in a texture. A vertex may have several of them: at the
 /// seams, where the charts meet into which the surface was cut.
 struct CornerTexture {
   /// 6 x T: u and v of the first, second and third corner of each triangle; all NaN for a triangle

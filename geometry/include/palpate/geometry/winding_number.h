@@ -15,9 +15,9 @@ namespace palpate::geometry {
 /// outside of a closed surface; across a hole it passes smoothly from one to the other, 1/2 about
 /// where the surface would close the hole. Pieces that overlap or repeat add up.
 ///
-/// A tree of clusters of triangles replaces what is far by its moments up to the second (Barill et
-/// al. 2018). Unlike there, each cluster has a proven bound of the error that this makes, from the
-/// Taylor remainder of 1/distance, and the cluster with the largest is opened until all bounds
+/// A tree of clusters of triangles replaces distant triangles by moments up to the second (Barill
+/// et al. 2018). Unlike there, each cluster has a proven bound of the error that this makes, from
+/// the Taylor remainder of 1/distance, and the cluster with the largest is opened until all bounds
 /// together are within the tolerance. Queries are const and thread-safe.
 class WindingNumber {
  public:
@@ -33,8 +33,8 @@ class WindingNumber {
   /// \throws InvalidInput unless tolerance >= 0.
   [[nodiscard]] double at(const Eigen::Vector3d& point, double tolerance = 0.01) const;
 
-  /// Whether the winding number exceeds 1/2. Clusters are opened until that is certain, so that a
-  /// point near the surface costs more than one far from it. False if the point is not finite.
+  /// Returns true if the winding number exceeds 1/2. Clusters are opened until that is certain, so
+  /// a point near the surface costs more than one far from it. False if the point is not finite.
   [[nodiscard]] bool contains(const Eigen::Vector3d& point) const;
 
  private:

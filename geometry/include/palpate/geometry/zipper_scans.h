@@ -11,7 +11,7 @@
 namespace palpate::geometry {
 
 struct ZipperScansOptions {
-  /// Two scans see the same place iff they are within this many point spacings of each other there
+  /// Two scans see the same place if they are within this many point spacings of each other there
   /// and face the same half-space; > 0, finite. Should be larger than the steps that noise and
   /// registration leave between scans, and smaller than the thickness of the object.
   double reach = 2;
