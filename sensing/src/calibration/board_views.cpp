@@ -49,7 +49,7 @@ cv::Mat_<float> mean_image(const std::vector<cv::Mat>& images) {
   return sum;
 }
 
-/// Non-zero where the camera sees the squares around the corners that were found.
+/// Non-zero at the pixels that show the squares around the corners that were found.
 cv::Mat_<uchar> squares_of(const FoundBoard& found, double square, const cv::Size& size) {
   std::vector<cv::Point2d> from, to;
   for (Eigen::Index i = 0; i < found.board.cols(); ++i) {
@@ -69,8 +69,8 @@ cv::Mat_<uchar> squares_of(const FoundBoard& found, double square, const cv::Siz
   return mask;
 }
 
-/// Whether the panel lights all of the window around a corner. At the edge of the light, the corner
-/// would be pulled towards it.
+/// Returns true if the panel lights all of the window around a corner. At the edge of the light,
+/// the corner would be pulled towards it.
 bool is_lit(const Eigen::Vector2d& corner, int window, const Eigen::Matrix3d& homography,
             const ImageSize& panel) {
   constexpr double kMargin = 4;  // px of the panel: blur, and the distortion of both lenses

@@ -123,7 +123,7 @@ std::size_t count_cells(const Problem& problem) {
   return count;
 }
 
-/// Where a channel shows what green shows on a ray: (row, column) of the working image.
+/// Place at which a channel shows what green shows on a ray: (row, column) of the working image.
 Eigen::Vector2d place_in_channel(const Problem& problem, const Eigen::Vector3d& ray, double alpha) {
   const Eigen::Vector2d pixel = geometry::distort(problem.rig.camera, ray.head<2>() / alpha);
   return problem.carrier.transposed ? pixel : Eigen::Vector2d(pixel.y(), pixel.x());
@@ -159,7 +159,7 @@ std::complex<double> sample(const Demodulated& signal, const Eigen::Vector2d& pl
 
 /// Mean phase over a cell of a channel relative to green, at the places where green's pixels appear
 /// in the channel.
-/// \param center where the cell's centre appears.
+/// \param center the place of the cell's centre in the channel.
 double relative_phase(const WhiteView& view, const Demodulated& channel, const PhaseCell& cell,
                       const Eigen::Vector2d& center, double alpha, double carrier) {
   std::complex<double> sum = 0;

@@ -102,7 +102,7 @@ std::optional<CornerFit> fit_corner(const cv::Mat_<float>& image, const CornerGu
   const auto v = static_cast<int>(std::lround(guess.place.y()));
   if (u < reach || v < reach || u + reach >= image.cols || v + reach >= image.rows)
     return std::nullopt;
-  // Along short edges, a bend by the lens is far below the noise, and cannot be told from a shift.
+  // Along short edges, a bend by the lens is far below the noise, and looks like a shift.
   constexpr double kLeastBent = 10;  // px
   const bool straight = guess.radius < kLeastBent;
   Unknowns p = start_of(image, guess);

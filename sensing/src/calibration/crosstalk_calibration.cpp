@@ -22,7 +22,7 @@ constexpr int kParts = 4;
 /// Smallest number of pixels, of the image and of a part of it.
 constexpr long kLeastPixels = 1000;
 constexpr long kLeastPartPixels = 50;
-/// Filters overlap by less; more, or less than nothing, comes from exchanged or unlinear images.
+/// Filters overlap by less; more, or less than nothing, comes from swapped or nonlinear images.
 constexpr double kLeastShare = -0.1;
 constexpr double kMostShare = 0.9;
 /// The factor by which the noise of the unmixed channels would grow.
@@ -39,7 +39,7 @@ std::array<Plane, 3> channels_of(const cv::Mat& image, const char* name) {
   return {std::move(planes[1]), std::move(planes[0]), std::move(planes[2])};
 }
 
-/// Sums of what each colour (column) adds to each channel (row).
+/// Sums of the light that each colour (column) adds to each channel (row).
 struct Sums {
   Eigen::Matrix3d light = Eigen::Matrix3d::Zero();
   long pixels = 0;

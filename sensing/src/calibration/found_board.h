@@ -20,24 +20,24 @@ struct FoundBoard {
 };
 
 /// Finds a board without markers, which must be complete, in `gray` (8 bit), and refines its
-/// corners in `fine`, which shows the same. A part of it would not do: it has nothing that tells
-/// which part, and OpenCV's detector of parts invents corners beyond the edge of the picture.
+/// corners in `fine`, which shows the same. A part of it is not sufficient: it does not show which
+/// part it is, and OpenCV's detector of parts invents corners beyond the edge of the picture.
 [[nodiscard]] std::optional<FoundBoard> find_chessboard(const cv::Mat& gray,
                                                         const cv::Mat_<float>& fine,
                                                         const Board& board);
 
-/// The same of a ChArUco board, `board.marker` > 0, of whose corners those beside two markers are
+/// The same for a ChArUco board, `board.marker` > 0, of whose corners those beside two markers are
 /// found. A corner that contradicts the others, as of a marker misread, is left out.
 [[nodiscard]] std::optional<FoundBoard> find_charuco_board(const cv::Mat& gray,
                                                            const cv::Mat_<float>& fine,
                                                            const Board& board);
 
-/// The one or the other, whichever the board is.
+/// Calls one of the two functions, as the board requires.
 [[nodiscard]] std::optional<FoundBoard> find_printed_board(const cv::Mat& gray,
                                                            const cv::Mat_<float>& fine,
                                                            const Board& board);
 
-/// What is known of a corner before it is refined.
+/// The start of the refinement of a corner.
 /// \param along, down steps along the edges by one square [px].
 /// \param nearest distance of the next edge that is not the corner's own [squares].
 [[nodiscard]] CornerGuess corner_guess(const Eigen::Vector2d& place, const Eigen::Vector2d& along,

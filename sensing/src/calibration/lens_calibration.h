@@ -21,7 +21,7 @@ struct LensCalibration {
 
 /// Calibrates a lens with the image size of `lens` from flat boards (Zhang 2000): board points [mm]
 /// in z = 0 and their pixels, one pair of matrices per view. `distortion_terms` is 0, 2, 4 or 5.
-/// \throws SolverError if the views are so insufficient that the result is not finite.
+/// \throws SolverError if the views are insufficient, so that the result is not finite.
 [[nodiscard]] LensCalibration calibrate_lens(const std::vector<Eigen::Matrix2Xd>& board,
                                              const std::vector<Eigen::Matrix2Xd>& pixels,
                                              const geometry::Camera& lens, int distortion_terms);

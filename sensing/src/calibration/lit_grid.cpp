@@ -22,10 +22,10 @@ namespace {
 constexpr int kGridCell = 12;
 /// A cell needs as many crossings of each axis.
 constexpr std::size_t kLeastBorders = 20;
-/// A pixel counts iff the light within kReach of it differs by less than this share.
+/// A pixel counts if the light within kReach of it differs by less than this share.
 constexpr double kLeastEvenness = 0.7;
 constexpr int kReach = 3;  // px: the reach of blur
-/// A crossing counts iff image and inverse change by this share of the light from pixel to pixel.
+/// A crossing counts if image and inverse change by this share of the light from pixel to pixel.
 constexpr float kLeastStep = 0.1F;
 
 /// A crossing of one axis' code: a camera pixel, the panel's border there, and a weight.
@@ -148,7 +148,7 @@ struct SmoothMap {
   }
 };
 
-/// Fits the correction by least squares, and again without what lies far off.
+/// Fits the correction by least squares, and again without outliers.
 void fit_correction(const std::vector<BorderPlace>& crossings, SmoothMap& map) {
   constexpr std::array<double, 3> kLargest{4, 1, 0.5};  // px: a wrong border is a pixel off or more
   for (const double largest : kLargest) {
@@ -217,7 +217,7 @@ std::vector<std::optional<CellMean>> cell_means(std::vector<BorderPlace>& crossi
   return means;
 }
 
-/// Whether the panel's `axis` runs along the rows of the image rather than its columns.
+/// Returns true if the panel's `axis` runs along the rows of the image rather than its columns.
 bool runs_along_rows(const Eigen::Matrix3d& homography, int axis, const Eigen::Vector2d& at) {
   const auto place = [&](const Eigen::Vector2d& p) {
     return (homography * p.homogeneous()).hnormalized()[axis];

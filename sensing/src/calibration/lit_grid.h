@@ -11,7 +11,7 @@
 
 namespace palpate::sensing {
 
-/// Where the projector's panel appears on a flat board: the reference that single points are
+/// The image of the projector's panel on a flat board: the reference that single points are
 /// compared with, and its own means over small cells of the image.
 struct LitGrid {
   Eigen::Matrix2Xd camera;     ///< 2 x M [px], middles of the cells
@@ -22,14 +22,14 @@ struct LitGrid {
 
 /// Finds where a flat board is lit from the images of a Gray code, to a hundredth of a pixel.
 ///
-/// Between two camera pixels where an image and its inverse change places, there is the border of
-/// two pixels of the panel, whatever the colour of the board. All such crossings within a cell are
-/// compared with a smooth map from camera to panel (a homography with cubic corrections), and their
-/// robust weighted mean is one point. Pixels beside edges of the board's print or of the light are
-/// left out, because blur moves the crossings there. What blur moves them where the light falls off
-/// evenly is taken back.
+/// Between two camera pixels at which the order of an image and its inverse changes, there is the
+/// border of two pixels of the panel, whatever the colour of the board. All such crossings within a
+/// cell are compared with a smooth map from camera to panel (a homography with cubic corrections),
+/// and their robust weighted mean is one point. Pixels beside edges of the board's print or of the
+/// light are left out, because blur moves the crossings there. Their move by blur where the light
+/// falls off evenly is corrected.
 /// \param images   of `draw_gray_code`, checked by `decode_gray_code`.
-/// \param places   what `decode_gray_code` returned for them.
+/// \param places the result of `decode_gray_code` for them.
 /// \param on_board 8 bit: non-zero where the board is flat.
 /// \param blur     standard deviation of the camera's blur [px]; 0 if unknown.
 /// \return empty if the board has too few lit pixels.

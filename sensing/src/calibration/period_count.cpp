@@ -20,13 +20,13 @@ namespace {
 
 /// Smallest number of cells of a usable region.
 constexpr std::size_t kLeastCells = 12;
-/// A surface counts as plane iff its phase deviates from that of a plane by at most this [rad RMS].
+/// A surface counts as plane if its phase deviates from that of a plane by at most this [rad RMS].
 constexpr double kMaxPlaneResidual = 0.3;
-/// The number of periods counts as known iff its standard deviation is at most this: the nearest
+/// The number of periods counts as known if its standard deviation is at most this: the nearest
 /// whole number is the right one if the error is below half a period, two deviations.
 constexpr double kMaxCountDeviation = 0.25;
-/// The same if the rig has no covariance: then only what the surface's phases leave unexplained
-/// tells how wrong the rig is, in a few directions, and too small a value is frequent.
+/// The same if the rig has no covariance: then only the unexplained part of the surface's phases
+/// shows how wrong the rig is, in a few directions, and too small a value is frequent.
 constexpr double kMaxBlindDeviation = 0.1;
 /// Keeps the scale of a column of zeros defined.
 constexpr double kTiny = std::numeric_limits<double>::min();
@@ -79,7 +79,7 @@ std::optional<PlaneFit> fit_plane(const std::vector<PeriodSample>& samples,
   return fit;
 }
 
-/// Variance, per direction of the residual, of what neither the plane nor `change` explains.
+/// Variance, per direction of the residual, that neither the plane nor `change` explains.
 struct Unexplained {
   double noise = 0;  ///< over all directions
   /// Over polynomials of the second and third degree: slow errors of a lens, of the rig's

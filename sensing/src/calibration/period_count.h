@@ -16,8 +16,8 @@ struct PeriodCount {
   std::string problem;   ///< why the last region failed; empty unless all regions failed
 };
 
-/// Finds how many periods the phase of each region lacks and sets `pixel` and `depth` of its cells.
-/// Removes the cells of regions for which this fails.
+/// Finds the number of periods that the phase of each region lacks, and sets `pixel` and `depth` of
+/// its cells. Removes the cells of regions for which this fails.
 [[nodiscard]] PeriodCount count_periods(WhiteView& view, const Carrier& carrier, const Rig& rig,
                                         const Pattern& pattern,
                                         const std::optional<geometry::ImageF>& depth);

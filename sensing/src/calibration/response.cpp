@@ -14,7 +14,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// Why a curve cannot be used; empty if it can.
+/// The reason why a curve cannot be used; empty if it can.
 std::string fault_of(const ResponseCurve& curve) {
   if (!std::isfinite(curve.black) || !(curve.gain > 0) || !std::isfinite(curve.gain) ||
       !(curve.gamma > 0) || !std::isfinite(curve.gamma)) {

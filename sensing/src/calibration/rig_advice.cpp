@@ -27,7 +27,7 @@ constexpr double kLeastReach = 0.7;
 /// Distances of the boards: farthest over nearest.
 constexpr double kLeastDistances = 1.1;
 
-/// How far points reach from the middle of an image, as a share of the way to its corner.
+/// Reach of points from the middle of an image, as a share of the way to its corner.
 double share_of_half_diagonal(const geometry::Camera& lens, const std::vector<BundleView>& views,
                               Eigen::Matrix2Xd BundleView::*points) {
   const Eigen::Vector2d middle((lens.width - 1) / 2.0, (lens.height - 1) / 2.0);

@@ -10,8 +10,8 @@
 
 namespace palpate::sensing {
 
-/// What the views determine badly, one sentence each: the parameter, its standard deviation, and
-/// which pose of the board to add. Empty if nothing.
+/// The parameters that the views determine badly, one sentence each: the parameter, its standard
+/// deviation, and which pose of the board to add. Empty if there are none.
 /// \param deviation of the rig's parameters, in the order of `RigCovariance`.
 [[nodiscard]] std::vector<std::string> rig_advice(const RigFit& fit,
                                                   const Eigen::VectorXd& deviation);

@@ -34,7 +34,7 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return matrix;
 }
 
-/// Where rays of the camera meet the board: 3 x N in the camera's frame.
+/// The points at which rays of the camera meet the board: 3 x N in the camera's frame.
 Eigen::Matrix3Xd on_board(const Eigen::Matrix3Xd& rays, const Eigen::Isometry3d& T_camera_board) {
   const Eigen::Vector3d normal = T_camera_board.linear().col(2);
   const Eigen::RowVectorXd scale =

@@ -16,7 +16,7 @@ struct BundleView {
   Eigen::Matrix2Xd board;            ///< 2 x N [mm]
   Eigen::Matrix2Xd camera;           ///< 2 x N [px]
   Eigen::VectorXd camera_weight;     ///< N
-  Eigen::Matrix2Xd lit_camera;       ///< 2 x M [px], where the camera sees ...
+  Eigen::Matrix2Xd lit_camera;       ///< 2 x M [px], pixels of the camera that see ...
   Eigen::Matrix2Xd projector;        ///< 2 x M [px], ... these points of the panel
   Eigen::VectorXd projector_weight;  ///< M
 };
@@ -43,7 +43,7 @@ struct BundleResiduals {
 [[nodiscard]] BundleResiduals bundle_residuals(const Bundle& bundle, const BundleView& view,
                                                std::size_t index);
 
-/// Where pixels of the camera see the board: 3 x M in the camera's frame; NaN where a ray misses.
+/// Points of the board that pixels see: 3 x M in the camera's frame; NaN where a ray misses.
 [[nodiscard]] Eigen::Matrix3Xd lit_points(const geometry::Camera& camera,
                                           const Eigen::Isometry3d& T_camera_board,
                                           const Eigen::Matrix2Xd& pixels);

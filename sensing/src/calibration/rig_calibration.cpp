@@ -51,7 +51,7 @@ void check(const std::vector<RigView>& views, const RigCalibrationOptions& optio
   }
 }
 
-/// Why a view cannot be used; empty if it can.
+/// The reason why a view cannot be used; empty if it can.
 std::string what_is_missing(const RigView& view) {
   if (view.camera.cols() == 0) {
     return view.projector.cols() == 0

@@ -92,10 +92,10 @@ void set_weights(const Bundle& bundle, std::vector<BundleView>& views) {
   }
 }
 
-/// By how much the residuals of neighbouring lit points vary together: the variance of a mean over
-/// many of them, over that of independent ones with the same deviation; >= 1.
+/// Correlation of the residuals of neighbouring lit points: the variance of a mean over many of
+/// them, over that of independent ones with the same deviation; >= 1.
 ///
-/// What a board that is not flat or a lens of another kind leaves is alike in neighbouring points.
+/// Errors by a board that is not flat, or by a lens of another kind, are alike in neighbours.
 double correlation_of(const Bundle& bundle, const std::vector<BundleView>& views) {
   constexpr double kNear = 42;  // px: three and a half cells of a Gray code
   double own = 0;

@@ -13,8 +13,8 @@
 namespace palpate::sensing {
 namespace {
 
-/// The rig moved iff the residuals of all views together are this many times those of the groups:
-/// what a lens model or a board leaves differs less between a few views and all.
+/// The rig moved if the residuals of all views together are this many times those of the groups:
+/// errors of a lens model or a board differ less between a few views and all.
 constexpr double kMovedRatio = 2;
 
 /// The normal equations of the small move of the projector that explains the residuals of some
@@ -27,7 +27,7 @@ struct MoveFit {
     normal += other.normal;
     right += other.right;
   }
-  /// By how much the best move reduces the sum of squares [px^2].
+  /// Reduction of the sum of squares by the best move [px^2].
   [[nodiscard]] double gain() const {
     return right.dot(normal.completeOrthogonalDecomposition().solve(right));
   }
@@ -41,7 +41,7 @@ MoveFit move_fit(const Bundle& bundle, const BundleView& view, std::size_t index
   return {shown.by_move.transpose() * shown.by_move, shown.by_move.transpose() * left};
 }
 
-/// Where splitting the views in two explains most.
+/// The number of views before the split in two that explains most.
 std::size_t best_split(const RigFit& fit, std::size_t least_views) {
   std::vector<MoveFit> of_views;
   MoveFit after;
@@ -87,7 +87,7 @@ std::optional<RigMove> find_move(
                                   projector_rms(fit_again({middle, views.end()})));
     if (kMovedRatio * apart < projector_rms(fit)) return RigMove{split, apart};
   } catch (const SolverError&) {
-    // A group that does not determine the rig says nothing.
+    // A group that does not determine the rig proves nothing.
   }
   return std::nullopt;
 }

@@ -47,7 +47,7 @@ Mask shrunk(const Mask& mask, long rows, long columns) {
   return out;
 }
 
-/// Where no channel clips.
+/// Finds the pixels at which no channel clips.
 Mask unsaturated(const std::vector<Plane>& channels) {
   Mask mask = Mask::Ones(channels[0].rows(), channels[0].cols());
   for (const Plane& channel : channels) mask *= (channel < 1).cast<std::uint8_t>();
@@ -125,7 +125,7 @@ WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier,
   std::vector<Demodulated>& signals = demodulation.channels;
   WhiteView view;
   view.cell_size = 2 * filter.radius + 1;
-  // Windows and the averages along the rows reach so far.
+  // Windows and the averages along the rows have this reach.
   const auto away_from_border = [&](const Mask& mask) {
     return shrunk(mask, filter.radius, filter.width() / 2);
   };

@@ -28,7 +28,7 @@ struct PhaseCell {
   double depth = 0;  ///< depth, once the period is known
 };
 
-/// Where the camera sees the centre of a cell [px].
+/// The camera pixel of the centre of a cell [px].
 [[nodiscard]] Eigen::Vector2d camera_pixel(const PhaseCell& cell, const Carrier& carrier);
 
 /// The phases of all channels of one white image.

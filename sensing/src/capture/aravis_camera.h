@@ -10,7 +10,7 @@
 
 namespace palpate::sensing {
 
-/// What the module `aravis_camera` does: cameras of GenICam by Aravis, which needs GLib.
+/// Functions of the module `aravis_camera`: cameras of GenICam by Aravis, which needs GLib.
 struct AravisCameras {
   std::unique_ptr<LiveCamera> (*open)(const std::string& name, const CameraSettings& settings);
   std::vector<CameraEntry> (*list)();

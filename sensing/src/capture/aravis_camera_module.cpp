@@ -27,17 +27,17 @@ using palpate::sensing::CameraSettings;
 using palpate::sensing::CameraState;
 using palpate::sensing::PixelFormat;
 
-/// Frames that wait in the driver while nobody takes them. With fewer, a reader that pauses for
+/// Frames that wait in the driver until they are taken. With fewer, a reader that pauses for
 /// some 0.1 s loses frames of fast cameras.
 constexpr int kBuffers = 32;
 
 constexpr double kNanoseconds = 1e9;  ///< in a second
 
-/// Aravis' own simulation is offered only to those who ask for it.
+/// Aravis' own simulation is listed only if it is asked for by name.
 constexpr const char* kFake = "Fake";
 
-/// Cameras round what they are asked for to whole steps of their clock: a value that differs by no
-/// more counts as the one asked for.
+/// Cameras round requested values to whole steps of their clock: a value that differs by no more
+/// counts as the requested one.
 constexpr double kSameValue = 0.01;
 
 struct Unref {
@@ -46,7 +46,7 @@ struct Unref {
 template <typename T>
 using Owned = std::unique_ptr<T, Unref>;
 
-/// What Aravis reports of a call.
+/// The error report of a call to Aravis.
 class Report {
  public:
   Report() = default;
@@ -161,7 +161,7 @@ AravisCamera::~AravisCamera() {
   g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), &gone_);
 }
 
-/// \throws InvalidInput if the camera rounded what it was asked for to something else.
+/// \throws InvalidInput if the camera rounded the requested value to something else.
 void AravisCamera::check_value(const char* what, double wanted, double has,
                                std::pair<double, double> bounds) {
   if (std::abs(has - wanted) <= kSameValue * std::abs(wanted)) return;

@@ -9,7 +9,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// What a counter of 16 bits passes through before it begins again; it leaves 0 out.
+/// Numbers that a counter of 16 bits passes before it begins again; it leaves 0 out.
 constexpr std::uint64_t kRound = 65535;
 
 /// Intervals from which the usual one is taken, and how many are needed for that.

@@ -7,8 +7,8 @@
 
 namespace palpate::sensing {
 
-/// Numbers frames from 0 by a camera's counter, which may begin anywhere. A counter of 16 bits, as
-/// that of GigE Vision, follows 65535 with 1. One that stands still tells nothing of lost frames.
+/// Numbers frames from 0 by a camera's counter, which may begin anywhere. A 16-bit counter, such as
+/// that of GigE Vision, follows 65535 with 1. One that stands still does not show lost frames.
 class NumbersByCounter {
  public:
   [[nodiscard]] std::uint64_t next(std::uint64_t counter);

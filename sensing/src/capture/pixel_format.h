@@ -9,7 +9,7 @@
 
 namespace palpate::sensing {
 
-/// How the pixels of an image lie in memory.
+/// Layout of the pixels of an image in memory.
 struct PixelFormat {
   int channels = 1;        ///< 1 or 3
   bool red_first = false;  ///< of 3 channels
@@ -18,7 +18,7 @@ struct PixelFormat {
 };
 
 /// The format that a name of GenICam's Pixel Format Naming Convention means; empty if Palpate does
-/// not read it, as formats whose pixels are packed more closely than in 8 or 16 bits, and YUV.
+/// not read it, such as formats whose pixels are packed more closely than in 8 or 16 bits, and YUV.
 [[nodiscard]] std::optional<PixelFormat> pixel_format(const std::string& name);
 
 /// The names that `pixel_format` knows, for messages.

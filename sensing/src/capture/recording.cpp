@@ -21,14 +21,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How long a camera is waited for before it is asked whether to go on.
+/// Longest wait for a camera before `go_on` is asked.
 constexpr std::chrono::milliseconds kLook{50};
 
-/// Frames that nobody takes are lost, but decoding can wait: its threads get less of a busy
+/// Frames that are not taken are lost, but decoding can wait: its threads get less of a busy
 /// processor. [steps of nice]
 constexpr int kDecodersNice = 10;
 
-/// Lets other threads go before this one. If that is not possible, it is as before.
+/// Lowers the priority of this thread, if that is possible.
 void step_back() {
   static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kDecodersNice));
 }
@@ -73,7 +73,7 @@ class Workers {
     for (std::thread& thread : threads_) thread.join();
     threads_.clear();
   }
-  /// \throws what the first one threw that failed.
+  /// \throws the first exception of the threads.
   void rethrow() const {
     if (failure_) std::rethrow_exception(failure_);
   }
@@ -93,7 +93,7 @@ class Taker {
         RecordingQueue& queue)
       : camera_(camera), options_(options), work_(work), queue_(queue) {}
 
-  /// \param failed whether somebody who works on the frames has failed.
+  /// \param failed returns true if a thread that works on the frames has failed.
   void run(const std::function<bool()>& failed, Recording& recording) {
     Clock::time_point heard = Clock::now();
     while (!failed() && go_on(recording)) {

@@ -12,9 +12,9 @@
 
 namespace palpate::sensing {
 
-/// What stands between a camera and those who write and decode its frames. The camera never waits:
-/// a frame for which there is no memory is refused. Every accepted frame is written, in order. For
-/// decoding, the newest `kMostBehind` frames wait; older ones are skipped.
+/// The queue between a camera and the threads that write and decode its frames. The camera never
+/// waits: a frame for which there is no memory is refused. Every accepted frame is written, in
+/// order. For decoding, the newest `kMostBehind` frames wait; older ones are skipped.
 class RecordingQueue {
  public:
   /// Frames that may wait for decoding.
@@ -28,19 +28,19 @@ class RecordingQueue {
   [[nodiscard]] bool put(const RecordedFrame& frame);
   /// The oldest frame that is not written, after waiting for one; empty when no more will come.
   [[nodiscard]] std::optional<RecordedFrame> take_to_write();
-  /// Gives the memory of a frame back.
+  /// Releases the memory of a frame.
   void written(const RecordedFrame& frame);
   /// The oldest of the frames that wait for decoding, after waiting for one; empty when no more
   /// will come.
   [[nodiscard]] std::optional<RecordedFrame> take_to_decode();
-  /// No more frames come: what waits is still taken.
+  /// No more frames come; those that wait are still taken.
   void close();
-  /// Drops what waits.
+  /// Drops the frames that wait.
   void abort();
 
   /// Frames that were skipped by decoding.
   [[nodiscard]] std::size_t skipped() const;
-  /// The largest number of frames that ever were not written yet.
+  /// The largest number of frames that were waiting to be written.
   [[nodiscard]] std::size_t most_waiting() const;
 
  private:

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kUsualRate = 30;  // frames/s
 
-/// All images are read before the first is sent, so that reading takes no time of the processor
-/// from what is to be tried. [bytes]
+/// All images are read before the first is sent, so that reading takes no processor time from the
+/// program under test. [bytes]
 constexpr std::size_t kMostBytes = std::size_t{2} << 30U;
 
 std::size_t bytes_of(const cv::Mat& image) { return image.total() * image.elemSize(); }

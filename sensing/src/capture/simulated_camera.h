@@ -23,7 +23,7 @@ struct CameraClock {
 /// Frames that a simulated camera keeps for a late reader, as the buffers of a driver do.
 inline constexpr std::uint64_t kSimulatedBuffers = 4;
 
-/// Sends images again and again, in the rhythm of its clock; see `open_camera`. Frame n is there
+/// Sends images again and again, at the rate of its clock; see `open_camera`. Frame n is there
 /// (n + 1) / rate after the start.
 class SimulatedCamera : public LiveCamera {
  public:

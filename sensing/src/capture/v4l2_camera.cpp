@@ -27,11 +27,11 @@
 namespace palpate::sensing {
 namespace {
 
-/// V4L2 counts exposures in units of 100 us, and calls exposure by hand 1.
+/// V4L2 counts exposures in units of 100 us, and its value for manual exposure is 1.
 constexpr double kExposureUnit = 100;
 constexpr double kByHand = 1;
 
-/// What V4L2 calls images that are compressed with losses.
+/// V4L2's name for images with lossy compression.
 constexpr std::string_view kMotionJpeg = "MJPG";
 /// Images whose colours have half the resolution of their brightness.
 constexpr std::array<std::string_view, 6> kCoarseColors{"YUYV", "UYVY", "YU12",
@@ -44,7 +44,7 @@ std::string letters_of(int format) {
   return letters;
 }
 
-/// A rate that differs by no more counts as the one asked for.
+/// A rate that differs by no more counts as the requested one.
 constexpr double kSameRate = 0.01;
 
 DeviceCapture open_device(int number) {

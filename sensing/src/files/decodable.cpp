@@ -31,7 +31,7 @@ cv::Mat stretched(const cv::Mat& image, int bits) {
 
 cv::Mat decodable(const cv::Mat& image, std::optional<BayerPattern> bayer, int bits) {
   require("decodable(): bits", bits, at_least(8).at_most(16));
-  // What is hot depends on full scale, so the values are stretched first.
+  // Hot pixels are defined relative to full scale, so the values are stretched first.
   const cv::Mat wide = bits < 16 ? stretched(image, bits) : image;
   return bayer ? demosaic(without_hot_pixels(wide), *bayer) : wide;
 }

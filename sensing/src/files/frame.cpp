@@ -55,7 +55,7 @@ cv::Mat read_frame(const std::filesystem::path& path) {
   const std::string bytes = read_bytes(path);
   check_bytes(path, bytes);
   if (image_format(bytes) == ImageFormat::png) return read_png(path, bytes);
-  // Whichever way up a phone was held: the camera's pixels stay where the lens puts them.
+  // Ignore the orientation: the camera's pixels stay where the lens puts them.
   cv::Mat frame = decode_image(
       path, bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   if (frame.depth() != CV_8U && frame.depth() != CV_16U) {

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 /// A number of frames that a video rounds from its duration may be off by one.
 constexpr std::size_t kRoundedFrames = 1;
 
-/// Images that may be compressed with losses.
+/// Returns true if an image may have lossy compression.
 bool may_have_losses(const fs::path& path) {
   const std::string ending = lower_extension(path);
   return ending == ".jpg" || ending == ".jpeg" || ending == ".webp";

@@ -8,7 +8,7 @@
 
 namespace palpate::sensing {
 
-/// What the module `image_codecs` does: OpenCV's reading of images, which needs 140 shared
+/// Functions of the module `image_codecs`: OpenCV's reading of images, which needs 140 shared
 /// libraries.
 struct ImageCodecs {
   /// As cv::imdecode; empty if the bytes are damaged. Throws cv::Exception.

@@ -10,13 +10,13 @@ namespace palpate::sensing {
 enum class ImageFormat { unknown, png, tiff, jpeg, bmp, webp };
 [[nodiscard]] ImageFormat image_format(const std::string& bytes);
 
-/// Why the bytes of a JPEG or WebP file are not all there, which OpenCV does not tell; empty if
-/// they are. The lengths of segments and chunks are followed up to the end of the image.
+/// The reason why the bytes of a JPEG or WebP file are not all there, which OpenCV does not report;
+/// empty if they are. The lengths of segments and chunks are followed up to the end of the image.
 [[nodiscard]] std::string find_jpeg_damage(const std::string& bytes);
 [[nodiscard]] std::string find_webp_damage(const std::string& bytes);
 [[nodiscard]] std::string find_bmp_damage(const std::string& bytes);
 
-/// Whether a WebP file is compressed with losses.
+/// Returns true if a WebP file has lossy compression.
 [[nodiscard]] bool is_lossy_webp(const std::string& bytes);
 
 }  // namespace palpate::sensing

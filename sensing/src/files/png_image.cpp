@@ -19,7 +19,7 @@
 namespace palpate::sensing {
 namespace {
 
-// Larger sizes in a header are not believed: 2^28 pixels are 1 GB of depths.
+// Larger sizes in a header are refused: 2^28 pixels are 1 GB of depths.
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28U;
 
 /// Unpacked bytes per packed byte: deflate codes at most 258 bytes by two bits.
@@ -37,7 +37,7 @@ bool succeeds(png_structp png, const Work& work) {
   return true;
 }
 
-/// Collects what libpng says of a file: the reason of an error is often in a warning before it.
+/// Collects libpng's messages about a file: the reason of an error is often in a warning before it.
 void note(png_structp png, png_const_charp text) {
   auto& faults = *static_cast<std::string*>(png_get_error_ptr(png));
   if (!faults.empty()) faults += "; ";

@@ -55,7 +55,7 @@ std::string printable(std::string text) {
   return text;
 }
 
-/// Looks for the place where a document begins, and at nothing else.
+/// Finds the line at which a document begins, and ignores everything else.
 struct DocumentStart : YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line + 1; }
   void OnDocumentEnd() override {}
@@ -83,7 +83,7 @@ std::optional<int> second_document(const std::string& text) {
   return second ? std::optional(start.line) : std::nullopt;
 }
 
-/// Refuses a key that is there twice: only the first would be read.
+/// Refuses a key that occurs twice: only the first would be read.
 void refuse_repeated_keys(const std::filesystem::path& path, const YAML::Node& map) {
   std::set<std::string> keys;
   for (const auto& entry : map) {
@@ -100,8 +100,8 @@ std::string line_of(const YAML::Exception& error) {
 }
 
 /// The first document of a text, a map.
-/// \param kind     what the file is not if this fails.
-/// \param expected what would be right.
+/// \param kind     a text for the message if this fails: the kind that the file is not.
+/// \param expected the text for the message about what is expected.
 YAML::Node first_document(const std::filesystem::path& path, const std::string& text,
                           const std::string& kind, const std::string& expected) {
   YAML::Node root;

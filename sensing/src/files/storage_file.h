@@ -31,10 +31,10 @@ class QuietOpenCv {
 class StorageFile {
  public:
   explicit StorageFile(std::filesystem::path path);
-  /// The same of the bytes of a file that has been read, which may be a pipe.
+  /// The same for the bytes of a file that has been read, which may be a pipe.
   StorageFile(std::filesystem::path path, const std::string& bytes);
-  /// A YAML or JSON file of another program, of which only the first document counts: what prints
-  /// messages ends each with a line of dashes.
+  /// A YAML or JSON file of another program, of which only the first document counts: programs that
+  /// print messages end each with a line of dashes.
   /// \param expected what is expected, for the message about a text that is neither.
   StorageFile(std::filesystem::path path, std::string bytes, const std::string& expected);
 

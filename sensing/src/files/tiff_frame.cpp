@@ -56,7 +56,7 @@ void append_entry(std::string& bytes, TiffTag tag, std::uint32_t value) {
   append(bytes, value);
 }
 
-/// What stands before the pixels in a TIFF file without compression (TIFF 6.0, baseline, one
+/// The bytes before the pixels in a TIFF file without compression (TIFF 6.0, baseline, one
 /// strip): the rows follow, from the top, grey or red, green, blue, in the byte order of this
 /// computer.
 std::string tiff_start(const cv::Mat& image) {
@@ -73,7 +73,7 @@ std::string tiff_start(const cv::Mat& image) {
   append(bytes, static_cast<std::uint16_t>(TiffTag::bits));
   append(bytes, static_cast<std::uint16_t>(TiffType::whole16));
   append(bytes, channels);
-  if (channels == 1) {  // a value of up to four bytes stands in its entry
+  if (channels == 1) {  // a value of up to four bytes is in its entry
     append(bytes, bits);
     append(bytes, std::uint16_t{0});
   } else {

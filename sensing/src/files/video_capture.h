@@ -11,7 +11,7 @@ namespace palpate::sensing {
 
 /// A video that is open in FFmpeg. Empty functions if it could not be opened.
 struct VideoCapture {
-  /// The next frame into memory that a later call may reuse; false at the end.
+  /// Reads the next frame into memory that a later call may reuse; false at the end.
   std::function<bool(cv::Mat& frame)> read;
   /// As cv::VideoCapture::get().
   std::function<double(int property)> property;
@@ -22,11 +22,11 @@ struct DeviceCapture {
   VideoCapture capture;
   /// As cv::VideoCapture::set().
   std::function<bool(int property, double value)> set;
-  /// Whether a frame is there, after waiting for it at most so long. \throws cv::Exception.
+  /// True if a frame is there, after waiting for it at most this long. \throws cv::Exception.
   std::function<bool(std::chrono::milliseconds)> wait;
 };
 
-/// What the module `video_capture` does: OpenCV's reading of videos and cameras, which needs 244
+/// Functions of the module `video_capture`: OpenCV's reading of videos and cameras, which needs 244
 /// shared libraries.
 struct VideoCaptures {
   VideoCapture (*open)(const std::string& path);

@@ -10,7 +10,7 @@
 
 namespace palpate::sensing {
 
-/// Whether `path` has the extension of a video.
+/// Returns true if `path` has the extension of a video.
 [[nodiscard]] bool is_video(const std::filesystem::path& path);
 
 /// The frames of a video file, in their order.
@@ -21,7 +21,7 @@ class VideoFile {
 
   /// Returns the next frame, 8 bit BGR; empty at the end, or where the file is truncated.
   [[nodiscard]] cv::Mat next();
-  /// Number of frames that the file announces; 0 if it does not. For files that store only the
+  /// Number of frames that the file declares; 0 if it does not. For files that store only the
   /// duration, the number is rounded from it.
   [[nodiscard]] std::size_t announced_frames() const;
   /// False if pixel values may differ from the camera's: lossy codecs, and colour at less than full

@@ -22,10 +22,10 @@ namespace palpate::sensing {
 /// Halves images: binomial weights 1 3 3 1 along the columns, in which the sinusoid varies (two
 /// pixels at the border), and means of two pixels along the rows.
 ///
-/// Plain means along the columns would alias onto the sinusoid nearly half of what alternates from
-/// row to row, such as the rows that a demosaiced red channel lacks: 0.1 rad at a period of 7 px.
-/// The binomial weights leave a tenth of that, without a loss in signal to noise. The memory of
-/// `half` is reused.
+/// Plain means along the columns would alias onto the sinusoid nearly half of any light that
+/// alternates from row to row, such as the rows that a demosaiced red channel lacks: 0.1 rad at a
+/// period of 7 px. The binomial weights leave a tenth of that, without a loss in signal to noise.
+/// The memory of `half` is reused.
 void half_size(const std::vector<Plane>& whole, std::vector<Plane>& half);
 
 }  // namespace palpate::sensing

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Put before a loop whose passes neither read nor write what another pass writes.
+/// Put before a loop whose iterations do not access data that another iteration writes.
 #if defined(__clang__)
 #define PALPATE_INDEPENDENT_PASSES _Pragma("clang loop vectorize(assume_safety)")
 #else

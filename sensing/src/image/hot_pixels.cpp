@@ -14,7 +14,7 @@ namespace {
 
 /// Pixels of one colour lie this far apart [px].
 constexpr int kSpacing = 2;
-/// A pixel stands out iff it is beyond all eight neighbours by more than this share of full scale,
+/// A pixel stands out if it is beyond all eight neighbours by more than this share of full scale,
 /// which the noise of a usable camera hardly reaches. The crest of a sinusoid at the edge of a
 /// stripe has a single neighbour that is like it.
 constexpr float kLeastExcess = 0.03F;

@@ -11,7 +11,7 @@ namespace palpate::sensing {
 namespace {
 
 /// Lit pixels are counted in squares of kCell pixels. Two by two of them are a block, which is lit
-/// iff so many pixels of it are; windows of two periods need more on one column.
+/// if kLeastLit pixels of it are; windows of two periods need more on one column.
 constexpr long kCell = kPartSpacing / 2;
 constexpr int kLeastLit = 8;
 

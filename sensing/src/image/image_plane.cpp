@@ -42,13 +42,13 @@ void split(const cv::Mat& frame, std::vector<Plane>& planes) {
   }
 }
 
-/// Finds where the only channel reaches `least`.
+/// Finds the pixels at which the only channel reaches `least`.
 PALPATE_HOT_LOOP void find_bright(const float* values, float least, long count,
                                   std::uint8_t* __restrict bright) {
   for (long i = 0; i < count; ++i) bright[i] = values[i] >= least ? 1 : 0;
 }
 
-/// Finds where the largest of three channels, minus the smallest iff `colored`, reaches `least`.
+/// Finds where the largest of three channels, minus the smallest if `colored`, reaches `least`.
 PALPATE_HOT_LOOP void find_bright(const float* a, const float* b, const float* c, bool colored,
                                   float least, long count, std::uint8_t* __restrict bright) {
   const float share = colored ? 1.0F : 0.0F;
@@ -83,7 +83,7 @@ void filter_columns(const Mask& in, int radius, Combine combine, Mask& out) {
   }
 }
 
-/// A value is clipped iff it is within half an 8-bit step of full scale.
+/// A value is clipped if it is within half an 8-bit step of full scale.
 constexpr float kFullScale = 1 - 0.5F / 255;
 
 PALPATE_HOT_LOOP void add_clipped(const float* values, std::uint8_t* clipped, long count) {

@@ -18,7 +18,7 @@ inline constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 /// Row-major mask: 1 for true, 0 for false.
 using Mask = Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Whether an image is one that all functions for frames take: 8 or 16 bit with 1 or 3 channels.
+/// Returns true for images that all functions for frames take: 8 or 16 bit with 1 or 3 channels.
 [[nodiscard]] bool is_frame(const cv::Mat& image);
 /// The largest value of a frame: 255 or 65535.
 [[nodiscard]] double full_scale(const cv::Mat& frame);

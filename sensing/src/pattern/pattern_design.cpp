@@ -58,8 +58,8 @@ Eigen::Vector2d place_in_image(const Rig& rig, int place) {
           (row + 0.5) / kPlacesPerSide * rig.camera.height - 0.5};
 }
 
-/// How the projector pixel that lights a place of the camera image depends on the place and on the
-/// depth. NaN or off the panel where there is none.
+/// The projector pixel that lights a place of the camera image, and its derivatives by the place
+/// and by the depth. NaN or off the panel where there is none.
 struct LocalMap {
   Eigen::Vector2d pixel;
   Eigen::Matrix2d per_pixel;  ///< d pixel / d camera pixel, on a surface facing the camera

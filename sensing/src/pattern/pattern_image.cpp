@@ -88,7 +88,7 @@ class PanelMap {
     const Eigen::Vector2d direction = direction_in_camera(real_, as_green);
     return {drawn_.fx * direction.x() + drawn_.cx, drawn_.fy * direction.y() + drawn_.cy};
   }
-  /// Whether the first coordinate depends on u alone and the second on v alone.
+  /// Returns true if the first coordinate depends on u alone and the second on v alone.
   [[nodiscard]] bool is_separable() const { return !rectify_; }
 
  private:

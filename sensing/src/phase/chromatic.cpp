@@ -121,7 +121,7 @@ constexpr long kErrorSamples = 4000;
 constexpr long kErrorSpacing = 5;
 /// At twice this distance the noise of two pixels is independent.
 constexpr std::size_t kIndependent = 2;
-/// A channel is used iff its squared modulation relative to green's is between this and its
+/// A channel is used if its squared modulation relative to green's is between this and its
 /// inverse.
 constexpr float kLeastRatio = 0.3F;
 /// Larger differences come from steps of the depth, not from lenses [rad].
@@ -130,7 +130,7 @@ constexpr double kLargestDifference = 0.5;
 constexpr std::size_t kLeastProducts = 100;
 /// Products beyond this number of medians are cut there; edges of print and stripes have such.
 constexpr double kLargestProduct = 10;
-/// What the cut leaves of the mean of squares of normal deviates, 3 % of which are beyond.
+/// The part that the cut leaves of the mean square of normal deviates, 3 % of which are beyond.
 constexpr double kCutMean = 0.942;
 
 struct Phasors {

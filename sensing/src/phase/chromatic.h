@@ -33,9 +33,9 @@ inline constexpr long kNodeSpacing = 16;
 using Nodes = Plane;
 [[nodiscard]] Nodes nodes_of(const Plane& smooth);
 
-/// Where a channel shows what green shows at each pixel of the working image: alpha acts on the
-/// normalised camera coordinates (Eq. 3.14). Because the shift varies slowly, the four pixels
-/// around that place keep the same distance from the pixel over long runs of a row.
+/// The place in a channel at which it shows the same as green at each pixel of the working image:
+/// alpha acts on the normalised camera coordinates (Eq. 3.14). Because the shift varies slowly, the
+/// four pixels around that place keep the same distance from the pixel over long runs of a row.
 struct ChannelShift {
   /// A range of pixels in a row, and the upper left of the four pixels around the first one's
   /// place.
@@ -55,7 +55,7 @@ struct ChannelShift {
 [[nodiscard]] ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
                                          const Eigen::Matrix2Xd& rays, const Carrier& carrier);
 
-/// How a channel other than green is aligned with green.
+/// The alignment of a channel other than green with green.
 struct ChannelModel {
   ChannelShift shift;
   ChromaticLag lag;
@@ -111,8 +111,8 @@ struct ChromaticError {
   double red = 0;
   double blue = 0;
 };
-/// Whether texture disturbs the phases of the channels, as in a single image: products beyond ten
-/// times their median are then cut there, so that a few edges do not count for the whole frame.
+/// Tells whether texture disturbs the phases of the channels, as in a single image: products beyond
+/// ten times their median are then cut there, so that a few edges do not count for the whole frame.
 enum class PhaseTexture : std::uint8_t { none, disturbs };
 /// \param phase [rad] absolute, of the working image; NaN where unknown.
 [[nodiscard]] ChromaticError remaining_error(const std::vector<Demodulated>& channels,

@@ -74,7 +74,7 @@ class UnsmoothedRow {
  public:
   UnsmoothedRow(std::size_t channels, long columns)
       : values_(static_cast<long>(2 * channels) + 1, columns) {}
-  /// Where the fits write to; the mean needs no averaging.
+  /// The memory to which the fits write; the mean needs no averaging.
   FittedRow row(long row, Demodulation& out) {
     FittedRow fitted;
     fitted.residual = &values_(values_.rows() - 1, 0);

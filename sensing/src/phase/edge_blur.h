@@ -7,10 +7,10 @@
 
 namespace palpate::sensing {
 
-/// Adds to the standard deviation of phases what the blur of the lens leaves in windows that end
+/// Adds to the standard deviation of phases the error that lens blur causes in windows that end
 /// beside the dark or at the border of the image, where a mosaic is interpolated badly.
 ///
-/// A blur of 1 px, as `unmix_neighbours` takes the lens' to be, costs the outermost pixel of a
+/// A blur of 1 px, as `unmix_neighbours` assumes for the lens, costs the outermost pixel of a
 /// column a share s of 31 % of its light. In the window around a pixel that gives it the weight w,
 /// and has the weight W left in all, this moves the phase by s w / W sqrt(2 m^2 + 1/2), RMS over
 /// the phases, where m is the mean of the blurred light over its amplitude.

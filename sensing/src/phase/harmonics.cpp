@@ -41,10 +41,10 @@ constexpr int kLeastPeriods = 4;
 /// Smallest number of windows for an average, and number of groups for its deviation.
 constexpr std::size_t kLeastPlaces = 160;
 constexpr std::size_t kWindowGroups = 16;
-/// A harmonic is reported iff this share of the windows measures it; fewer do if their period is
+/// A harmonic is reported if this share of the windows measures it; fewer do if their period is
 /// unusual, as at depth steps.
 constexpr double kLeastMeasuredShare = 0.2;
-/// A harmonic exists iff it is this many standard deviations.
+/// A harmonic exists if it is this many standard deviations.
 constexpr double kSignificance = 4;
 
 cv::Mat_<float> brightest_channel(const cv::Mat& frame) {
@@ -96,15 +96,15 @@ Peak find_peak(const cv::Mat_<float>& image) {
   return {static_cast<double>(at) / length, near / total};
 }
 
-/// Whether a frequency [cycles/px] has enough pixels per period for a harmonic.
+/// Returns true if a frequency [cycles/px] has enough pixels per period for a harmonic.
 bool is_resolved(int harmonic, double frequency) {
   return harmonic * frequency * kLeastHarmonicPeriod <= 1;
 }
 
-/// Whether a harmonic can be separated from the alias that a colour mosaic makes of the sinusoid,
-/// at half the sampling frequency minus its own. Where both coincide (the second harmonic at 6 px,
-/// the third at 8 px) their phases are locked too, so averaging does not separate them. A window
-/// separates frequencies that differ by one period over its length.
+/// Returns true if a harmonic can be separated from the alias that a colour mosaic makes of the
+/// sinusoid, at half the sampling frequency minus its own. If both coincide (the second harmonic at
+/// 6 px, the third at 8 px) their phases are locked too, so averaging does not separate them. A
+/// window separates frequencies that differ by one period over its length.
 bool is_told_from_mosaic(int harmonic, double frequency, int length) {
   return std::abs(0.5 - frequency - harmonic * frequency) * length >= 1;
 }

@@ -41,7 +41,7 @@ class SinusoidFit {
     const auto radius = static_cast<double>(weight_.size() / 2);
     return solve_.row(2).dot(Eigen::RowVectorXd::LinSpaced(weight_.size(), -radius, radius));
   }
-  /// Of the fit, with shading removed as its means `reach` rows up and down tell.
+  /// Response of the fit, with shading removed by its means `reach` rows up and down.
   [[nodiscard]] FitResponse response(double delta, int reach) const {
     FitResponse result;
     for (const double phase : {0.0, std::numbers::pi / 2}) {

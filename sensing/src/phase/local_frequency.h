@@ -8,13 +8,13 @@
 
 namespace palpate::sensing {
 
-/// Corrects a demodulation at the carrier frequency for what the fit of a constant mean and of a
-/// sinusoid leaves out: shading that changes evenly, and the actual local frequency.
+/// Corrects a demodulation at the carrier frequency for effects that the fit of a constant mean and
+/// of a sinusoid leaves out: shading that changes evenly, and the actual local frequency.
 ///
-/// *Shading.* Where the light changes by s per row, s k leaks into the fit's quadrature as L s, a
+/// *Shading.* If the light changes by s per row, s k leaks into the fit's quadrature as L s, a
 /// ripple of one period in the phase (L is about period / (3 pi) for Hann's window of two periods).
 /// s is the change of the fitted mean over `reach` rows up and down, in which the sinusoid itself
-/// almost cancels. The residual keeps what the shading leaves in it: next to a step of the
+/// almost cancels. The residual keeps the part of the shading in it: next to a step of the
 /// brightness, where s means little, the phase stays as uncertain as it is.
 ///
 /// *Frequency.* A surface that slopes, or whose depth differs from the carrier's, shows the

@@ -27,13 +27,13 @@ namespace palpate::sensing {
 /// thousand cases (Wilson and Hilferty 1931).
 [[nodiscard]] double beyond_chance(int freedom);
 
-/// Adds to the standard deviation of each phase [rad] what blur mixes into it, and marks the pixels
-/// that see mostly the light of their neighbours.
+/// Adds to the standard deviation of each phase [rad] the error of light that blur mixes into it,
+/// and marks the pixels that see mostly the light of their neighbours.
 ///
-/// Blur of variance V, of the lens and of demosaicing, shows the phase of where the light is: with
-/// the amplitude A and the phase phi, it is off by V grad A / A . grad phi. At the edge of a
-/// surface before nothing that is most of a radian. V is taken to be 2 px^2. What noise alone would
-/// show is left out.
+/// Blur of variance V, of the lens and of demosaicing, shows the phase of the place where the light
+/// is: with the amplitude A and the phase phi, it is off by V grad A / A . grad phi. At the edge of
+/// a surface in front of nothing that is most of a radian. V is taken to be 2 px^2. The part that
+/// noise alone would show is left out.
 /// \param combined without the carrier
 /// \param count channels and exposures that a pixel uses: amplitudes of different ones are not
 /// compared

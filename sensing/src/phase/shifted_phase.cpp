@@ -13,10 +13,10 @@
 namespace palpate::sensing {
 namespace {
 
-/// Fewest images for the second and for the third harmonic.
+/// Least numbers of images for the second and for the third harmonic.
 constexpr std::size_t kSecondHarmonic = 7;
 constexpr std::size_t kThirdHarmonic = 10;
-/// A harmonic is left out where the shifts determine it worse than this: least eigenvalue of the
+/// A harmonic is left out if the shifts determine it worse than this: least eigenvalue of the
 /// normal matrix per image (1/2 for equal steps).
 constexpr double kLeastEigenvalue = 0.05;
 /// Approximate number of samples of the noise, per exposure and channel.

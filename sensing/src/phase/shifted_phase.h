@@ -13,10 +13,10 @@ namespace palpate::sensing {
 
 /// Least squares of values v_k = mean + B cos(phi + shift_k) + harmonics, the same for each pixel.
 ///
-/// The fit has as many harmonics of the sinusoid as the number of images lets it tell from noise:
+/// The fit has as many harmonics of the sinusoid as the number of images can separate from noise:
 /// none below 7 images, the second below 10, the second and third otherwise. With equal steps they
-/// do not change the phase; they only keep what a response that is not linear adds, and what does
-/// not disturb the phase, out of the remainder.
+/// do not change the phase; they only keep the effect of a response that is not linear, which then
+/// does not disturb the phase, out of the remainder.
 struct ShiftFit {
   Eigen::MatrixXf estimate;   ///< 3 x N: mean, B cos phi and B sin phi from the values
   Eigen::MatrixXf remainder;  ///< N x N: values minus fit
@@ -44,7 +44,7 @@ struct VarianceSample {
   float variance = 0;  ///< mean square of the remainder
 };
 
-/// What a still scene under shifted sinusoids shows, in the camera's orientation.
+/// Data of a still scene under shifted sinusoids, in the camera's orientation.
 struct ShiftedImages {
   std::vector<ShiftedChannel> channels;  ///< green alone, or green, red, blue
   /// Mean square of the remainder of one value, summed over exposures and channels; 0 if `freedom`
@@ -52,11 +52,11 @@ struct ShiftedImages {
   Plane remainder;
   Plane signal;  ///< largest B of all exposures and channels, clipped ones too
   std::vector<std::vector<VarianceSample>> samples;  ///< by channel
-  /// Where the values of an exposure and a channel are clipped.
+  /// True where the values of an exposure and a channel are clipped.
   std::vector<std::vector<Mask>> clipped;
-  /// Sums of the products of the mean remainders, and of the amplitudes, of two pixels,
-  /// one beside the other across the sinusoid, that are too far apart for common noise. Their ratio
-  /// is the relative variance of what the fit leaves besides noise.
+  /// Sums of the products of the mean remainders, and of the amplitudes, of two pixels, one beside
+  /// the other across the sinusoid, that are too far apart for common noise. Their ratio is the
+  /// relative variance of residuals other than noise.
   double shared = 0;
   double power = 0;
 };
@@ -64,12 +64,12 @@ struct ShiftedImages {
 /// Adds the images of one exposure.
 /// \param images one per shift, of the same size and type; 8 or 16 bit, 1 or 3 channels.
 /// \param least_amplitude B [fraction of full scale] from which on places count for noise.
-/// \param varies_along_rows whether the sinusoid does
+/// \param varies_along_rows true if the sinusoid does
 void add_exposure(std::span<const cv::Mat> images, const ShiftFit& fit, float least_amplitude,
                   bool varies_along_rows, ShiftedImages& sums);
 
-/// Where any of the images is at full scale in a channel (green; red; blue). In colour images the
-/// neighbours count too, because demosaicing spreads clipped values.
+/// Finds the pixels at which any of the images is at full scale in a channel (green; red; blue). In
+/// colour images their neighbours count too, because demosaicing spreads clipped values.
 [[nodiscard]] std::vector<Mask> clipped_places(std::span<const cv::Mat> images);
 
 }  // namespace palpate::sensing

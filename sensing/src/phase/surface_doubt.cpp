@@ -108,7 +108,7 @@ void fill_dips(long row, Plane& light) {
   }
 }
 
-/// Takes the values within this many rows of an unknown one in their column, or of its end.
+/// Removes the values within this many rows of an unknown one in their column, or of its end.
 void drop_ends(long distance, Plane& values) {
   for (long column = 0; column < values.cols(); ++column) {
     long first = 0;  // of the known values that end at the row
@@ -122,8 +122,8 @@ void drop_ends(long distance, Plane& values) {
   }
 }
 
-/// Adds the square of the contrast of two values. Where they are not both known, it adds that of
-/// two others.
+/// Adds the square of the contrast of two values. If they are not both known, it adds that of two
+/// others.
 PALPATE_HOT_LOOP void add_contrast(const float* one, const float* other, const float* near_one,
                                    const float* near_other, float doubtful, float unknown,
                                    float* __restrict doubt, long count) {

@@ -10,7 +10,7 @@
 
 namespace palpate::sensing {
 
-/// What a single sinusoid shows of its surfaces.
+/// Images of the surfaces under a single sinusoid.
 struct SurfaceSignal {
   const std::vector<Demodulated>& channels;
   const Combined& combined;
@@ -19,24 +19,24 @@ struct SurfaceSignal {
   const Plane& variance;  ///< [rad^2] of the phase around each pixel; infinite where it is unknown
 };
 
-/// How much it looks as if two surfaces met at a pixel: from 1 on they may. Infinite where the
+/// Doubt that a pixel is on one surface: from 1 on two surfaces may meet there. Infinite where the
 /// phase is unknown.
 struct SurfaceDoubt {
   Plane down;    ///< between the pixels before and behind it in its column
   Plane across;  ///< between those beside it in its row
 };
 
-/// A step of depth changes the phase by whole turns and a fraction. The fraction does not tell the
-/// whole turns, and where it is small the phase shows nothing of the step. But the other surface
-/// has another distance, slope and material. The doubt is a sum of squares, each divided by what a
-/// smooth surface hardly has:
+/// A step of depth changes the phase by whole turns and a fraction. The fraction does not show the
+/// whole turns, and if it is small the phase does not show the step. But the other surface has
+/// another distance, slope and material. The doubt is a sum of squares, each divided by a value
+/// that is rare on a smooth surface:
 ///   the unevenness of the phase;
 ///   down the columns, along which a window of two periods joins both surfaces, the change of the
 ///   modulation (amplitude over light, as it is at the local frequency) and of the frequency
 ///   between places a period before and behind, and a frequency far from the carrier;
 ///   across them, where little is blurred, the jump of the phase as it is continued from either
 ///   side, and that of the light.
-/// Where one of the places has no phase, nothing is added, but half a doubt for the modulation.
+/// If one of the places has no phase, nothing is added, but half a doubt for the modulation.
 void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& filter,
                         double max_variance, SurfaceDoubt& doubt);
 

@@ -20,7 +20,7 @@ namespace palpate::sensing {
 /// With |sum|, the length of the channels' common phasor (half an amplitude), the variance of the
 /// phase is at least
 ///   0.019 max(0, (D / |sum|)^2 - 0.2^2).
-/// This is what an edge between two brightnesses leaves in Hann's window of two periods, the mean
+/// This is the effect of an edge between two brightnesses in Hann's window of two periods, the mean
 /// over its places in the window and the phases; tiles of 1 to 3 periods leave 0.011 to 0.016.
 /// Below 0.2, harmonics of the sinusoid bend the means as much.
 /// \param sigma [rad]

@@ -61,8 +61,8 @@ template <typename T>
   store<T>(half * (quadrature * turn.cosine - amplitude * turn.sine), im);
 }
 
-/// Fits the windows around the pixels of one row of a channel, and subtracts from the residual what
-/// mean and sinusoid explain.
+/// Fits the windows around the pixels of one row of a channel, and subtracts from the residual the
+/// part that mean and sinusoid explain.
 PALPATE_HOT_LOOP void fit_whole_row(const float* center, long stride, const Tap* pairs, int radius,
                                     WholeWindow whole, Turn turn, long columns,
                                     FittedRow::Channel out, float* residual) {

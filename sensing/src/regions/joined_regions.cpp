@@ -12,8 +12,8 @@
 namespace palpate::sensing {
 namespace {
 
-/// Pixels at the end of a run whose phase mixes it with what is beyond, and the pixels after them
-/// from which the slope is measured.
+/// Pixels at the end of a run whose phase is mixed with that beyond, and the pixels after them from
+/// which the slope is measured.
 constexpr int kMixedPixels = 2;
 constexpr int kLeastEndPixels = 6;
 constexpr int kEndPixels = 12;
@@ -23,13 +23,13 @@ constexpr long kBridgeRowStep = 2;
 
 /// Smallest number of rows in which a gap is crossed.
 constexpr std::size_t kLeastBridges = 8;
-/// A row agrees with a whole number of turns iff it is this close, this share of the rows must, and
+/// A row agrees with a whole number of turns if it is this close, this share of the rows must, and
 /// their mean must be this close to it [turns].
 constexpr double kNearBridgeTurns = 0.25;
 constexpr double kAgreeingRows = 0.8;
 constexpr double kMeanBridgeTurns = 0.12;
 
-/// What one row tells of two regions; `from` < `to`.
+/// The link between two regions in one row; `from` < `to`.
 struct Bridge {
   int from = 0;
   int to = 0;

@@ -22,7 +22,7 @@ struct PhaseEnd {
 [[nodiscard]] std::optional<PhaseEnd> phase_end(const Regions& regions, int row, int column,
                                                 int inward);
 
-/// Regions of one surface, as far as their phases tell.
+/// Regions of one surface, as far as their phases show.
 struct JoinedRegions {
   static constexpr int kNone = -1;
   std::vector<int> group;  ///< per region: 0 ... count - 1, or kNone
@@ -33,7 +33,7 @@ struct JoinedRegions {
 /// Joins regions whose phases continue each other across stripes that a surface does not reflect:
 /// the mean of the slopes on both sides of a gap leads to a whole number of turns, the same one in
 /// nearly all rows. This is exact for a phase of constant curvature.
-/// \param open    per region: whether it takes part; others stay in no group.
+/// \param open per region: nonzero if it takes part; others stay in no group.
 /// \param max_gap [px] widest gap.
 void join_regions(const Regions& regions, const std::vector<std::uint8_t>& open, int max_gap,
                   JoinedRegions& joined);

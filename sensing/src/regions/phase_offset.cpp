@@ -14,11 +14,11 @@ namespace {
 /// Smallest number of guesses; one guess and its neighbours on the next scanlines may be wrong.
 constexpr std::size_t kLeastGuesses = 5;
 
-/// A guess is close to a whole number of turns iff it is within this distance. Stripe edges are
+/// A guess is close to a whole number of turns if it is within this distance. Stripe edges are
 /// located to about a pixel, a tenth of a turn.
 constexpr double kNearTurns = 0.3;
 
-/// A single stripe edge is trusted iff the mean distance of its guesses from the whole number is at
+/// A single stripe edge is trusted if the mean distance of its guesses from the whole number is at
 /// most this, as for an edge located to about half a pixel over many scanlines. One edge in eight
 /// that is misread as a whole passes by chance.
 constexpr double kProvenTurns = 0.06;
@@ -27,8 +27,8 @@ constexpr double kProvenTurns = 0.06;
 /// others together: nine tenths of it. The rest is then misread here and there.
 constexpr double kSingleEdge = 0.8;
 
-/// Guesses on this many consecutive scanlines confirm each other iff their columns differ by at
-/// most kChainColumns from one to the next.
+/// Guesses on this many consecutive scanlines confirm each other if their columns differ by at most
+/// kChainColumns from one to the next.
 constexpr int kChainLength = 5;
 constexpr int kChainColumns = 3;
 

@@ -22,16 +22,16 @@ constexpr int kSlopePixels = 4;
 /// is curved.
 constexpr double kMaxBend = 0.08;
 
-/// A crossing of the border gives a whole number of turns iff it is this close to it [turns] ...
+/// A crossing of the border gives a whole number of turns if it is this close to it [turns] ...
 constexpr double kNearCrossingTurns = 0.08;
 
-/// ... and all crossings that agree on the number iff their mean is this close.
+/// ... and all crossings that agree on the number do if their mean is this close.
 constexpr double kMeanTurns = 0.03;
 
 /// Smallest number of crossings of a border, counting rows and columns.
 constexpr std::size_t kLeastCrossings = 20;
 
-/// A place where a line of pixels leaves a region and enters another one beyond a seam.
+/// A point at which a line of pixels leaves a region and enters another one beyond a seam.
 struct Crossing {
   int from = 0;      ///< region
   int to = 0;        ///< region
@@ -157,7 +157,7 @@ void solve_from_neighbours(const Regions& regions, const SeamLimits& limits,
   if (std::none_of(offsets.begin(), offsets.end(), open)) return;
   const std::vector<Crossing> crossings = find_crossings(regions, limits, offsets);
   std::vector<double> turns;
-  // Each round solves what follows from the regions solved in the rounds before.
+  // Each round solves the regions that follow from those solved in the rounds before.
   for (bool solved = true; solved;) {
     solved = false;
     const std::vector<RegionOffset> before = offsets;

@@ -16,7 +16,7 @@ struct SeamLimits {
   /// Largest width of a seam [px], in rows and columns. It must be below one period, because a
   /// depth step of a whole period throws a shadow one period wide.
   int max_width = 0;
-  /// An offset is accepted iff this share of the border gives it; in (0.5, 1].
+  /// An offset is accepted if this share of the border gives it; in (0.5, 1].
   double min_agreement = 0;
 };
 

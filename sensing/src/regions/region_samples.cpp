@@ -15,7 +15,7 @@ namespace {
 /// Number of pixels of a group that are sampled, about, and smallest spacing [px].
 constexpr double kGroupSamples = 3000;
 constexpr int kLeastSampleSpacing = 2;
-/// How far beyond the end of a run its phase is continued [px]: less than half a stripe.
+/// Distance beyond the end of a run to which its phase is continued [px]: less than half a stripe.
 constexpr int kBeyondRun = 8;
 
 class RowSampler {

@@ -34,8 +34,8 @@ void for_each_pixel(const Regions& regions, const JoinedRegions& joined, const R
   }
 }
 
-/// A pixel of a group, or one in no region for which the phases beside it in the row tell its
-/// phase.
+/// A pixel of a group, or one in no region whose phase follows from the phases beside it in the
+/// row.
 struct RegionSample {
   int row = 0;
   int column = 0;

@@ -32,7 +32,7 @@ PALPATE_HOT_LOOP void find_links(const float* phase, const float* other,
   }
 }
 
-/// Finds where runs start: the class changes, or the step from the left needs a turn or is too
+/// Finds the starts of runs: the class changes, or the step from the left needs a turn or is too
 /// large. `links` are those to the right.
 PALPATE_HOT_LOOP void find_starts(const std::uint8_t* classes, const std::uint8_t* links,
                                   std::uint8_t* starts, long pixels) {

@@ -37,7 +37,7 @@ constexpr double kRest = 0.04;
 constexpr int kPatience = 4;
 
 /// A contour is at rest if this many rounds add less than this area [px^2], which is far less than
-/// what the narrowest advancing front adds.
+/// the narrowest advancing front adds.
 constexpr int kRoundsBetween = 100;
 constexpr double kLeastGrowth = 20;
 
@@ -45,7 +45,7 @@ constexpr int kFewestPoints = 6;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Whether two segments have a point in common.
+/// Returns true if two segments have a point in common.
 bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
   const double c_side = cross(b - a, c - a);
   const double d_side = cross(b - a, d - a);
@@ -130,8 +130,8 @@ Vector2d SnakeContour::force(const Point& point) const {
   return sum.dot(outward) * outward;
 }
 
-/// Whether a segment meets one of the contour, except those that begin at `first`, `last` or
-/// between them in contour order.
+/// Returns true if a segment meets one of the contour, except those that begin at `first`, `last`
+/// or between them in contour order.
 bool SnakeContour::crosses(const Vector2d& a, const Vector2d& b, int first, int last) const {
   const long rows = static_cast<long>(cells_.size()) / cells_across_;
   const auto column = static_cast<long>(std::max(0.0, b.x()) / kCell);
@@ -160,7 +160,7 @@ void SnakeContour::forget(int number) {
 
 void SnakeContour::wake(int number) { points_[static_cast<std::size_t>(number)].still = 0; }
 
-/// Returns whether the point moved farther than kRest.
+/// Returns true if the point moved farther than kRest.
 bool SnakeContour::move(int number) {
   Point& point = points_[static_cast<std::size_t>(number)];
   Vector2d step = kTimeStep * force(point);

@@ -23,7 +23,7 @@ namespace palpate::sensing {
 /// image.
 class SnakeContour {
  public:
-  /// Radius at which rigidity cancels expansion [px]: a circle grows iff its radius is larger.
+  /// Radius at which rigidity cancels expansion [px]: a circle grows if its radius is larger.
   static constexpr double kCriticalRadius = 4;
 
   /// Starts as a circle. `roughness` and `finished` must outlive the contour.
@@ -33,7 +33,7 @@ class SnakeContour {
                const Labels& finished);
 
   /// Moves the points until the contour is at rest or `max_rounds` have passed.
-  /// \return whether the contour is at rest.
+  /// \return true if the contour is at rest.
   bool grow(int max_rounds);
 
   /// The points in contour order, 2 x N.

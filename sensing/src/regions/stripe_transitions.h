@@ -12,7 +12,7 @@ namespace palpate::sensing {
 /// A boundary between two stripes, found on one scanline.
 struct Transition {
   int row = 0;
-  float column = 0;  ///< px, where the hue changes
+  float column = 0;  ///< px, position of the hue change
   int edge = 0;      ///< index of the edge in the pattern
   float score = 0;   ///< ES of the thesis, divided by the windows' length: in [0, 2]
 };

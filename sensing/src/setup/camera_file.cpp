@@ -41,7 +41,7 @@ std::string optional_text(const StorageFile& file, const char* key) {
   return node.IsDefined() && !node.IsNull() ? file.text(node, key) : "";
 }
 
-/// The one of two spellings of a key that is there, or the first.
+/// The spelling of a key that the map has, or the first one if it has neither.
 const char* spelt(const YAML::Node& map, const char* usual, const char* other) {
   return !has(map, usual) && has(map, other) ? other : usual;
 }
@@ -97,7 +97,7 @@ void set_distortion(const StorageFile& file, const std::string& key,
   std::copy_n(values.begin(), std::min(values.size(), known), camera.distortion.begin());
 }
 
-/// Takes the part of the image that a message of ROS tells, in pixels of the whole one.
+/// Takes the part of the image that a message of ROS states, in pixels of the whole one.
 void set_region(const StorageFile& file, geometry::Camera& camera) {
   const YAML::Node roi = map_at(file, "roi");
   const auto pixels = [&](const char* key) {

@@ -11,9 +11,9 @@
 
 namespace palpate::sensing {
 
-/// Where a rig is evaluated before anything is known of the scene: at kTriedDepths depths from one
-/// to kFarthestBaselines baselines in equal ratios, and at kPlacesPerSide places along each side of
-/// the camera image. Closer, the views do not overlap; farther, the depth cannot be measured.
+/// Points for evaluating a rig before anything is known of the scene: at kTriedDepths depths from
+/// one to kFarthestBaselines baselines in equal ratios, and at kPlacesPerSide places along each
+/// side of the camera image. Closer, the views do not overlap; farther, depth cannot be measured.
 inline constexpr int kTriedDepths = 30;
 inline constexpr double kFarthestBaselines = 20;
 inline constexpr int kPlacesPerSide = 9;

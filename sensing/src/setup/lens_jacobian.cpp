@@ -38,7 +38,7 @@ RayView look_back(const geometry::Camera& lens, const Eigen::Matrix2Xd& pixels) 
   const LensView there = look(lens, view.rays);
   view.by_lens.resize(2 * pixels.cols(), kLensParameters);
   for (Eigen::Index i = 0; i < pixels.cols(); ++i) {
-    // The pixel stays: what the parameters move it by, the ray must move it back.
+    // The pixel stays: the ray must compensate its move by the parameters.
     const Eigen::Matrix2d by_ray = there.by_move.block<2, 2>(2 * i, 3);
     view.by_lens.middleRows<2>(2 * i) = -by_ray.inverse() * there.by_lens.middleRows<2>(2 * i);
   }

@@ -21,7 +21,7 @@ struct LensView {
 /// `points`: 3 x N in the lens' frame, z > 0. k4 k5 k6 count as zero.
 [[nodiscard]] LensView look(const geometry::Camera& lens, const Eigen::Matrix3Xd& points);
 
-/// Rays of pixels, and how they turn when the lens' parameters change while the pixels stay.
+/// Rays of pixels, and their change with the lens' parameters at fixed pixels.
 struct RayView {
   Eigen::Matrix3Xd rays;    ///< 3 x N: (x, y, 1); NaN where the lens has no ray
   Eigen::MatrixXd by_lens;  ///< 2N x 9: of x and y

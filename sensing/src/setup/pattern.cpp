@@ -91,7 +91,7 @@ constexpr int kMostShifts = 64;
 constexpr int kMostCodeBits = 16;
 /// Cells of the code that are wider leave too little of a period to notice a misread bit.
 constexpr double kWidestCell = 0.75;
-/// Shifts determine a sinusoid iff the least eigenvalue of their normal matrix is at least this, as
+/// Shifts determine a sinusoid if the least eigenvalue of their normal matrix is at least this, as
 /// a share of that of equal steps (1/2 per image). Below, noise grows more than threefold.
 constexpr double kLeastDetermination = 0.1;
 

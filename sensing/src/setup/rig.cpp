@@ -17,8 +17,8 @@
 namespace palpate::sensing {
 namespace {
 
-/// R counts as a rotation iff no entry of R^T R - I exceeds this: far above the rounding of numbers
-/// with seven digits, and far below what would move a point at 1 m by a tenth of a millimetre.
+/// R counts as a rotation if no entry of R^T R - I exceeds this: far above the rounding of numbers
+/// with seven digits, and far below an error that moves a point at 1 m by a tenth of a millimetre.
 constexpr double kRotationTolerance = 1e-5;
 
 /// Largest entry of the inverse of a colour mixing, by which noise grows.

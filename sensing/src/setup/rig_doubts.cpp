@@ -22,13 +22,13 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kWide = 65 * kDegree;
 constexpr double kWidest = 80 * kDegree;
 /// Part of a larger image has its principal point outside. A corner of the image of a wide-angle
-/// lens is that far from the axis.
+/// lens is this far from the axis.
 constexpr double kFarFromAxis = 30 * kDegree;
 /// With 800 pixels across, each would see half a second of arc, which takes an aperture of 200 mm.
 constexpr double kNarrow = 0.1 * kDegree;
 
 /// Lengths [mm]: outside the inner bounds unlikely, outside the outer ones impossible. Between
-/// `usual` they need no other unit.
+/// `usual` no other unit is likely.
 struct Bounds {
   double least, low, high, most;
   std::array<double, 2> usual;
@@ -69,7 +69,7 @@ void judge_length(const char* subject, const std::string& what, double length, c
        impossible});
 }
 
-/// \param is_centered whether the principal point must be near the image.
+/// \param is_centered true if the principal point must be near the image.
 void judge_lens(const char* subject, const geometry::Camera& lens, bool is_centered,
                 std::vector<Doubt>& doubts) {
   const Eigen::Vector2d center(lens.cx, lens.cy);

@@ -8,7 +8,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// Whether a pixel lies on the panel or a little beside it.
+/// Returns true if a pixel lies on the panel or a little beside it.
 bool is_near_panel(const geometry::Camera& lens, const Eigen::Vector2d& pixel) {
   constexpr double kBeside = 0.2;  // of the panel's size
   const double dx = kBeside * lens.width;

@@ -12,7 +12,7 @@ namespace palpate::sensing {
 
 /// The projector's coordinate along one axis that lights points on rays of the camera, and its
 /// derivatives. Rows are NaN where the point lies behind the projector, or so far beside the panel
-/// that the model of its lens says nothing.
+/// that the model of its lens is not valid.
 struct PanelView {
   Eigen::VectorXd by_inverse_depth;  ///< N [px mm]
   Eigen::MatrixXd by_rig;            ///< N x 24, in the order of `RigCovariance`, at fixed depth

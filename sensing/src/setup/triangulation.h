@@ -30,7 +30,7 @@ class Triangulation {
   [[nodiscard]] double depth(const Eigen::Vector3d& direction, Axis axis, double pixel) const;
   /// d pixel / d z along `axis` at depth z, without lens distortion; zero on the singular line.
   [[nodiscard]] double slope(const Eigen::Vector3d& direction, Axis axis, double z) const;
-  /// Whether a pixel lies on the projector's panel.
+  /// Returns true if a pixel lies on the projector's panel.
   [[nodiscard]] bool on_panel(const Eigen::Vector2d& pixel) const;
 
  private:

@@ -12,7 +12,7 @@ namespace {
 /// [mm] Distance at which the projector's white is 1.
 constexpr double kUnitDistance = 1000;
 
-/// A panel pixel is the image of a direction iff the lens model leads back to it within this
+/// A panel pixel is the image of a direction if the lens model leads back to it within this
 /// [tangent]; otherwise the model has folded, and no real lens would send light there.
 constexpr double kFoldTolerance = 1e-6;
 

@@ -16,7 +16,7 @@ namespace palpate::sensing {
 /// \throws InvalidInput naming the body and what is wrong with it.
 void check_body(const Body& body, std::size_t number);
 
-/// Where a ray meets a body.
+/// The point at which a ray meets a body.
 struct SurfaceView {
   int body = -1;
   geometry::SurfacePoint at;  ///< triangle index in the whole scene
@@ -38,7 +38,7 @@ class VirtualScene {
 
   /// First surface seen from the origin in a direction.
   [[nodiscard]] std::optional<SurfaceView> look(const Eigen::Vector3d& direction) const;
-  /// Whether nothing lies between a visible place and `light`.
+  /// Returns true if nothing lies between a visible place and `light`.
   [[nodiscard]] bool sees(const SurfaceView& place, const Eigen::Vector3d& light) const;
   /// Reflectance in red, green and blue.
   [[nodiscard]] Eigen::Vector3d reflectance(const SurfaceView& place) const;

@@ -23,14 +23,14 @@ namespace {
 /// Smallest size of a mosaic for bilinear interpolation, in pixels along each axis.
 constexpr int kSmallestMosaic = 3;
 
-/// What a ray of one colour sees, independently of the panel.
+/// The surface that a ray of one colour meets, and its light, independently of the panel.
 struct Echo {
   Eigen::Vector3d reflectance{0, 0, 0};  ///< blue, green, red
   Illumination light;
 };
 
-/// What one colour of a camera pixel's sample receives: `white` times the panel's light at `panel`,
-/// and `dark` without it.
+/// Light that one colour of a camera pixel's sample receives: `white` times the panel's light at
+/// `panel`, and `dark` without it.
 struct TracedRay {
   int column = 0;
   int channel = 0;
@@ -54,7 +54,7 @@ struct Renderer {
                 .light = path.illuminate(scene, *place)};
   }
 
-  /// What one colour of an echo sends to a pixel in each image.
+  /// Light that one colour of an echo sends to a pixel in each image.
   [[nodiscard]] TracedRay ray_of(const Echo& echo, int channel, int column) const {
     const auto panel =
         echo.light.lit ? path.shifted(echo.light.pixel, shifts[static_cast<std::size_t>(channel)])

@@ -14,8 +14,8 @@ struct BoardPatch {
   double x = 0, y = 0, width = 0, height = 0;
 };
 
-/// All that is black on a board: squares, and the cells of a ChArUco board's markers. The first
-/// inner corner lies at (square, square).
+/// The black parts of a board: squares, and the cells of a ChArUco board's markers. The first inner
+/// corner lies at (square, square).
 /// \throws InvalidInput if the board is not valid.
 [[nodiscard]] std::vector<BoardPatch> board_patches(const Board& board);
 

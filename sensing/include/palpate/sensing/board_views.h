@@ -23,12 +23,12 @@ struct Board {
   int rows = 0;         ///< inner corners along y, >= 3
   double square = 0;    ///< side of a square, > 0: mm if printed, px on a panel
   double marker = 0;    ///< side of a marker [mm], < square; 0: a board without
-  int marker_bits = 4;  ///< a marker has as many bits squared, 4 to 7
+  int marker_bits = 4;  ///< bits of a marker along each side, 4 to 7
 };
 
-/// Markers of each dictionary.
+/// Number of markers in each dictionary.
 inline constexpr int kMostMarkers = 1000;
-/// Markers of a ChArUco board.
+/// Number of markers of a ChArUco board.
 [[nodiscard]] int marker_count(const Board& board);
 
 /// Inner corners of the board, row by row, starting at (0, 0): 2 x (columns * rows).

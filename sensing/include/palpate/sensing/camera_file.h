@@ -28,7 +28,7 @@ enum class CameraFileFormat {
 struct CameraFile {
   geometry::Camera camera;
   CameraFileFormat format = CameraFileFormat::palpate;
-  /// [mm] length of one unit of the camera's depth images; only RGBDVideoMetadata tells it.
+  /// [mm] length of one unit of the camera's depth images; only RGBDVideoMetadata states it.
   std::optional<double> mm_per_unit = {};
 };
 
@@ -36,26 +36,26 @@ struct CameraFile {
 ///
 /// - `camera_size`: Palpate, see `read_rig`;
 /// - `image_width`, or `K` or `k`: ROS, or OpenCV if there is no `distortion_model`. The matrix K
-///   and the distortion D of the raw image count, not the matrix P of the rectified one. If `roi`
-///   tells a part of the image, the camera is that of the part;
+///   and the distortion D of the raw image are used, not the matrix P of the rectified one. If
+///   `roi` states a part of the image, the camera is that of the part;
 /// - `intrinsic_matrix`, also in `intrinsic`: Open3D, a list of 9 numbers by columns;
 /// - `fx` and `ppx`: RealSense, with `model` (its name, or its number) and `coeffs`.
 ///
 /// `Camera` has the distortion models plumb_bob and rational_polynomial of ROS, and of RealSense
 /// Brown-Conrady, and the modified one without tangential coefficients. The other models are
 /// refused; the inverse Brown-Conrady model, which RealSense cameras name even for rectified
-/// images, only if a coefficient is not zero.
-/// The coefficients of a distortion may be missing only where ROS names the model none or no model.
+/// images, only if a coefficient is not zero. The coefficients of a distortion may be missing only
+/// if ROS names the model none or no model.
 /// \throws FileError naming the file and the key if a value is missing, has the wrong shape or is
-/// not finite, or if the file tells a distortion or a binning that `Camera` cannot represent.
+/// not finite, or if the file has a distortion or a binning that `Camera` cannot represent.
 [[nodiscard]] CameraFile read_camera_file(const std::filesystem::path& path);
 
-/// Whether a file has the keys of one of these formats, so that `read_camera_file` reads it or says
-/// what is wrong with it. Rigs count.
+/// Returns true if a file has the keys of one of these formats, so that `read_camera_file` reads it
+/// or states what is wrong with it. Rigs count.
 /// \throws FileError naming the line if it cannot be read, or is neither YAML nor JSON.
 [[nodiscard]] bool is_camera_file(const std::filesystem::path& path);
 
-/// The camera of `read_camera_file` alone.
+/// Returns only the camera of `read_camera_file`.
 [[nodiscard]] geometry::Camera read_camera(const std::filesystem::path& path);
 
 /// Writes a camera in the format `palpate`, so that `read_camera` reads every number back exactly.
@@ -65,7 +65,7 @@ void write_camera(const std::filesystem::path& path, const geometry::Camera& cam
 /// Files of cameras, each of which is read once. Threads may use an object at the same time.
 class CameraFiles {
  public:
-  /// As `read_camera_file`, of the first time that a path is given.
+  /// Returns `read_camera_file` of the first call with this path.
   [[nodiscard]] CameraFile read(const std::filesystem::path& path);
 
  private:

@@ -24,9 +24,9 @@ struct WhiteImage {
 };
 
 struct ChromaticCalibrationOptions {
-  /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
+  /// A pixel is lit if the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.02;
-  /// Its phase is used iff in every channel the amplitude >= min_modulation of full scale, in
+  /// Its phase is used if in every channel the amplitude >= min_modulation of full scale, in
   /// (0, 1), ...
   double min_modulation = 0.01;
   /// ... and amplitude / mean >= min_contrast times that of the pattern; in (0, 1).
@@ -48,7 +48,7 @@ struct ChannelCalibration {
   double separation = 0;
 };
 
-/// How one image was used.
+/// The use of one image.
 struct WhiteImageUse {
   std::string name;
   int cells = 0;                         ///< reliable phase measurements

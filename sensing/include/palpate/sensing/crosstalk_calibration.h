@@ -19,8 +19,8 @@ struct CrosstalkImages {
 };
 
 struct CrosstalkOptions {
-  /// A pixel is used iff each colour adds >= min_signal of full scale to its own channel; in (0,
-  /// 1).
+  /// A pixel is used if each colour adds >= min_signal of full scale to its own channel;
+  /// in (0, 1).
   double min_signal = 0.05;
 };
 
@@ -30,7 +30,7 @@ struct CrosstalkCalibration {
   Eigen::Matrix3d mixing = Eigen::Matrix3d::Identity();
   /// Standard deviation of each entry, from its scatter between 16 parts of the image.
   Eigen::Matrix3d deviation = Eigen::Matrix3d::Zero();
-  long pixels = 0;  ///< that were used
+  long pixels = 0;  ///< number of pixels used
 };
 
 /// Measures how the camera's colour filters mix the projector's colours. A surface reflects each of

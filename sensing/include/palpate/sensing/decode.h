@@ -29,7 +29,7 @@ enum class Segmentation {
   snakes  ///< growing snakes (thesis 3.3.4), which bridge gaps in region borders; slower
 };
 
-/// The meaning, unit and range of each field stand in its list, `visit`, which docs/options.md
+/// The meaning, unit and range of each field are in its list, `visit`, which docs/options.md
 /// shows.
 struct DecodeOptions {
   double window_periods = 2;
@@ -62,8 +62,8 @@ struct DecodeResult {
   int transitions = 0;         ///< number of stripe edges identified, over all scanlines
   int regions = 0;             ///< number of smooth regions of the phase
   int unresolved_regions = 0;  ///< regions with too few stripe edges, or contradicting ones
-  /// Whether the frame fits rig, pattern and colours at all: pass it, or the sum of a sequence, to
-  /// `judge` before you use the depths. Empty for a pattern without stripes.
+  /// Evidence of whether the frame fits rig, pattern and colours at all: pass it, or the sum of a
+  /// sequence, to `judge` before you use the depths. Empty for a pattern without stripes.
   DecodeEvidence evidence = {};
 };
 
@@ -95,8 +95,8 @@ class Decoder {
   /// \throws InvalidInput if the frame has another size or type, or has one channel although the
   /// pattern has coloured stripes, or if two anchors contradict each other on one smooth surface.
   [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
-  /// The same, reusing the memory of an earlier result: decoding one frame after another allocates
-  /// next to nothing. `result` is unchanged if an exception is thrown.
+  /// The same, reusing the memory of an earlier result: decoding one frame after another hardly
+  /// allocates any memory. `result` is unchanged if an exception is thrown.
   void decode(const cv::Mat& frame, DecodeResult& result) const;
 
  private:

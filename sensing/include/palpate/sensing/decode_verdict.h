@@ -7,7 +7,7 @@
 
 namespace palpate::sensing {
 
-/// What would explain frames that contradict rig, pattern or colours.
+/// Possible explanations of frames that contradict rig, pattern or colours.
 enum class FrameExplanation {
   red_blue_swapped,
   red_green_swapped,
@@ -26,7 +26,7 @@ inline constexpr int kRowBands = 12;
 /// Sums over stripe edges that tell whether their shift against the sinusoid depends on the depth.
 struct DepthTrend {
   long edges = 0;
-  double disparity = 0;  ///< [px] how far the depth moves an edge in the image, beyond infinity
+  double disparity = 0;  ///< [px] shift of an edge in the image by its depth, relative to infinity
   double disparity_squares = 0;  ///< [px^2]
   double shift = 0;              ///< [px] of the edge against the sinusoid
   double products = 0;           ///< [px^2] of disparity and shift
@@ -39,8 +39,8 @@ struct DepthTrend {
 ///
 /// A stripe edge gives a depth, and this a phase of the sinusoid; the measured phase differs from
 /// it by d periods, of which whole ones do not count. With the right rig, pattern and colours d is
-/// close to zero everywhere. Stripe edges of which a side has none of the trained hues do not take
-/// part, because coloured surfaces show them.
+/// close to zero everywhere. Stripe edges one side of which has none of the trained hues are left
+/// out, because coloured surfaces show them.
 struct DecodeEvidence {
   long edges = 0;         ///< stripe edges that were compared with the phase, on some scanlines
   long off_panel = 0;     ///< further ones, which the projector cannot light where they are seen
@@ -60,7 +60,7 @@ struct DecodeEvidence {
   std::array<double, kFrameExplanations> explained{};
   long explained_edges = 0;       ///< `edges` plus `off_panel` of these frames
   std::array<double, 3> light{};  ///< sums of the sinusoid's amplitude in red, green, blue
-  long lit = 0;                   ///< lit pixels that were looked at
+  long lit = 0;                   ///< lit pixels that were examined
   long hues = 0;                  ///< those with a sinusoid
   /// Those with a sinusoid across the expected direction; only of frames with few edges.
   long across = 0;
@@ -74,7 +74,7 @@ struct DecodeEvidence {
 
 enum class DecodeVerdict {
   accepted,
-  too_little,        ///< to judge by: few stripe edges, or a coloured surface
+  too_little,        ///< few stripe edges, or a coloured surface: no judgement is possible
   wrong_channels,    ///< colour channels are exchanged, or the frames are negatives
   wrong_colors,      ///< the trained colours are those of another camera or projector
   turned_frames,     ///< the frames are mirrored, flipped or rotated
@@ -89,7 +89,7 @@ enum class DecodeVerdict {
 struct DecodeJudgement {
   DecodeVerdict verdict = DecodeVerdict::too_little;
   std::string reason;  ///< the verdict in a sentence, with figures and what to try
-  /// Whether nothing speaks against the depths: `accepted` or `too_little`.
+  /// Returns true if nothing speaks against the depths: `accepted` or `too_little`.
   [[nodiscard]] bool usable() const {
     return verdict == DecodeVerdict::accepted || verdict == DecodeVerdict::too_little;
   }
@@ -97,9 +97,9 @@ struct DecodeJudgement {
 
 /// Judges whether frames fit the rig, the pattern and the trained colours with which they were
 /// decoded. If they do not, depths are wrong as a whole, and by more than their predicted
-/// deviations. Not noticed are errors that leave stripes and sinusoid in agreement: a baseline that
-/// is too long or too short as a whole, which scales all depths, or, for a surface at one depth, a
-/// shift by whole periods, also of a torn part of the frame.
+/// deviations. Errors that leave stripes and sinusoid in agreement are not detected: a baseline
+/// that is too long or too short as a whole, which scales all depths, or, for a surface at one
+/// depth, a shift by whole periods, also of a torn part of the frame.
 [[nodiscard]] DecodeJudgement judge(const DecodeEvidence& evidence);
 
 /// Name of a verdict as in the enumeration.

@@ -17,7 +17,7 @@ namespace palpate::sensing {
                                                   double mm_per_unit,
                                                   const geometry::Camera& camera);
 
-/// What the header of a PNG file says of its pixels.
+/// The format of the pixels of a PNG file, according to its header.
 struct PngPixels {
   int bits = 0;      ///< of a value
   int channels = 0;  ///< without alpha: 1 (grey) or 3 (colour)
@@ -27,7 +27,7 @@ struct PngPixels {
 /// \throws FileError if the file cannot be read.
 [[nodiscard]] std::optional<PngPixels> read_png_pixels(const std::filesystem::path& path);
 
-/// Depth images have 16 bit and one channel.
+/// Returns true for 16 bit and one channel, which depth images have.
 [[nodiscard]] constexpr bool may_be_depths(const PngPixels& pixels) {
   return pixels.bits == 16 && pixels.channels == 1;
 }

@@ -25,18 +25,18 @@ struct RecordedDepth {
   std::filesystem::path recording;  ///< the folder of depth.txt
 };
 
-/// Whether a folder is a recording of a depth camera in the layout of the RGB-D benchmark of TUM:
-/// `depth.txt` and `rgb.txt` list the images, mostly in `depth/` and `rgb/`.
+/// Returns true if a folder is a recording of a depth camera in the layout of TUM's RGB-D
+/// benchmark: `depth.txt` and `rgb.txt` list the images, mostly in `depth/` and `rgb/`.
 [[nodiscard]] bool is_depth_recording(const std::filesystem::path& folder);
 
 /// Lists the images of a recording by time. Each line of `depth.txt` and `rgb.txt` has a time [s]
 /// and the name of a file, which may have spaces; lines that begin with # are comments. `rgb.txt`
 /// may be missing. The images themselves are not looked at.
 /// \throws FileError naming the file and the line if there is no depth image, a line has another
-/// form, or a time is there twice.
+/// form, or a time occurs twice.
 [[nodiscard]] std::vector<RecordedDepth> read_depth_recording(const std::filesystem::path& folder);
 
-/// Recordings, the lists of which are read once. Threads may use an object at the same time.
+/// Recordings whose lists are read once. Threads may use an object at the same time.
 class DepthRecordings {
  public:
   /// As `read_depth_recording`.

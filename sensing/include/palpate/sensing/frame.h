@@ -8,15 +8,15 @@
 namespace palpate::sensing {
 
 /// Reads a camera frame from a PNG, TIFF, BMP, JPEG or WebP file: 8 or 16 bit, 1 or 3 channels
-/// (BGR). Values are not converted; an alpha channel is dropped, and a note that the image should
-/// be shown turned is not followed.
+/// (BGR). Values are not converted; an alpha channel is dropped, and an orientation tag, by which
+/// viewers rotate the image, is ignored.
 /// \throws FileError if the file is missing, empty, truncated, damaged or of another type.
 [[nodiscard]] cv::Mat read_frame(const std::filesystem::path& path);
 
-/// Whether the ending of a name is that of such a file.
+/// Returns true if a name has the extension of such a file.
 [[nodiscard]] bool has_frame_name(const std::filesystem::path& path);
 
-/// Whether an image is compressed with losses: JPEG, and WebP unless it was made without.
+/// Returns true if an image has lossy compression: JPEG, and WebP unless it is lossless.
 /// \throws FileError if the file cannot be read.
 [[nodiscard]] bool has_losses(const std::filesystem::path& path);
 

@@ -28,7 +28,7 @@ struct SourceFrame {
 struct FrameSourceOptions {
   /// If given, the frames are raw mosaics of a single-chip camera.
   std::optional<BayerPattern> bayer = {};
-  /// That the values of 16-bit frames use, in [8, 16]: 12 if the camera's full scale is 4095.
+  /// Bits that the values of 16-bit frames use, in [8, 16]: 12 if the camera's full scale is 4095.
   int bits = 16;
 };
 
@@ -37,7 +37,7 @@ struct FrameSourceOptions {
 class FrameSource {
  public:
   /// \param paths images that `read_frame` reads, folders (all their images by name) and videos
-  /// (what OpenCV's FFmpeg reads: AVI, MP4, MKV and others), in the order of the sequence.
+  /// (AVI, MP4, MKV and others that OpenCV's FFmpeg reads), in the order of the sequence.
   /// \throws FileError if a path does not exist, a folder has no image, or a video cannot be
   /// opened.
   explicit FrameSource(const std::vector<std::filesystem::path>& paths,
@@ -46,13 +46,13 @@ class FrameSource {
   FrameSource(FrameSource&&) noexcept;
   FrameSource& operator=(FrameSource&&) noexcept;
 
-  /// Returns the next frame; empty at the end. A video that ends before its announced number of
+  /// Returns the next frame; empty at the end. A video that ends before its declared number of
   /// frames gives a last frame whose `read` throws an error that says so.
   [[nodiscard]] std::optional<SourceFrame> next();
 
   /// The files in sequence order; folders are replaced by their images.
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const;
-  /// Number of frames as announced by the videos; may be wrong, so use it only for progress.
+  /// Number of frames as declared by the videos; may be wrong, so use it only for progress.
   [[nodiscard]] std::size_t expected_frames() const;
   /// Warnings about the source, such as lossy compression of a video or of images.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
@@ -62,9 +62,9 @@ class FrameSource {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Lists the images (`has_frame_name`) in a folder, sorted by name, with numbers compared as
-/// numbers
-/// (`comes_before`).
+/// Lists the images in a folder (those whose names `has_frame_name` accepts), sorted by name.
+/// Numbers in names are compared as numbers (`comes_before`): 2.png comes before 10.png. Other
+/// files are left out.
 /// \throws FileError if the folder cannot be read or has no images.
 [[nodiscard]] std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 

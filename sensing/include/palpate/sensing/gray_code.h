@@ -27,11 +27,11 @@ namespace palpate::sensing {
 [[nodiscard]] std::vector<cv::Mat> draw_gray_code(const ImageSize& panel);
 
 struct GrayCodeOptions {
-  /// Decode a pixel iff white - black >= min_contrast of full scale; in (0, 1).
+  /// A pixel is decoded if white - black >= min_contrast of full scale; in (0, 1).
   double min_contrast = 0.03;
 };
 
-/// Finds which projector pixel lights each camera pixel.
+/// Finds the projector pixel that lights each camera pixel.
 ///
 /// Each bit is the sign of image - inverse, so that neither surface colour nor steady light
 /// matters. Neighbouring codes differ in one bit, so a bit that is misread at its own edge moves

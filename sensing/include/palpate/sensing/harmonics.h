@@ -11,9 +11,9 @@
 namespace palpate::sensing {
 
 struct HarmonicOptions {
-  double min_modulation = 0.02;  ///< use a window iff amplitude >= min_modulation of full scale ...
+  double min_modulation = 0.02;  ///< use a window if amplitude >= min_modulation of full scale ...
   double max_misfit = 0.25;      ///< ... and RMS misfit <= max_misfit * amplitude; > 0
-  /// The sinusoid is reported as distorted iff a harmonic is >= max_ratio of the fundamental and
+  /// The sinusoid is reported as distorted if a harmonic is >= max_ratio of the fundamental and
   /// >= 4 of its own standard deviations; in (0, 1).
   double max_ratio = 0.02;
 };
@@ -27,7 +27,7 @@ struct Harmonic {
 /// Harmonic distortion of a sinusoid that has passed through projector, surface and camera.
 struct HarmonicCheck {
   double period = 0;      ///< camera px, median
-  bool along_x = false;   ///< whether the sinusoid varies along the image rows
+  bool along_x = false;   ///< true if the sinusoid varies along the image rows
   double modulation = 0;  ///< amplitude / mean, median
   /// Not set if the harmonic cannot be measured: if the period is short, or close to the period
   /// (6 px for the second harmonic, 8 px for the third) at which an alias of the fundamental,

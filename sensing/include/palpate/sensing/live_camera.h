@@ -17,14 +17,14 @@ namespace palpate::sensing {
 
 /// A frame as a camera sent it.
 struct CameraFrame {
-  cv::Mat image;  ///< 8 or 16 bit; grey, a mosaic, or BGR. Nobody changes it afterwards.
-  /// Position among all frames that the camera took, from 0: where numbers are missing, frames were
+  cv::Mat image;  ///< 8 or 16 bit; grey, a mosaic, or BGR. It does not change afterwards.
+  /// Position among all frames that the camera took, from 0: if numbers are missing, frames were
   /// lost.
   std::uint64_t number = 0;
   double time = 0;  ///< s since the first frame, by the camera's clock
 };
 
-/// What a camera is asked for. What is not given stays as it is.
+/// Settings to request from a camera. Those that are not given stay unchanged.
 struct CameraSettings {
   std::optional<ImageSize> size = {};
   std::optional<double> rate = {};         ///< frames/s, > 0
@@ -34,7 +34,7 @@ struct CameraSettings {
   std::string pixel_format = {};
 };
 
-/// What a camera is, and how it is set now.
+/// Name, format and current settings of a camera.
 struct CameraState {
   std::string name;  ///< for messages: "aravis:Fake_1 (Aravis Fake)"
   ImageSize size;
@@ -48,8 +48,8 @@ struct CameraState {
   std::vector<std::string> warnings = {};  ///< such as compression with losses
 };
 
-/// A camera that sends frames at its own pace, whether somebody takes them or not. Only one thread
-/// may use it at a time.
+/// A camera that sends frames at its own pace, whether or not they are taken. Only one thread may
+/// use it at a time.
 class LiveCamera {
  public:
   LiveCamera() = default;
@@ -58,23 +58,23 @@ class LiveCamera {
   LiveCamera& operator=(const LiveCamera&) = delete;
 
   [[nodiscard]] virtual const CameraState& state() const = 0;
-  /// Changes the time of exposure [us], for the frames that are exposed from now on.
+  /// Changes the time of exposure [us], for the frames exposed after this call.
   /// \throws InvalidInput if the camera does not offer it; DeviceError if it does not answer.
   virtual void set_exposure(double microseconds) = 0;
-  /// Lets it send frames. To be called once.
+  /// Starts sending frames. To be called once.
   /// \throws DeviceError.
   virtual void start() = 0;
   /// The oldest frame that was not taken yet; waits for it at most `wait`.
   /// \pre `start` was called.
   /// \return empty if there is none.
-  /// \throws DeviceError if the camera is gone, or sends what is no frame.
+  /// \throws DeviceError if the camera is gone, or sends something that is not a frame.
   [[nodiscard]] virtual std::optional<CameraFrame> next(std::chrono::milliseconds wait) = 0;
 };
 
 /// Opens a camera by its name.
 ///
-///     aravis:NAME       GenICam (GigE Vision, USB3 Vision) by Aravis; the NAME is what
-///                       `list_cameras` says, or an address. `aravis:Fake_1` is Aravis' own
+///     aravis:NAME       GenICam (GigE Vision, USB3 Vision) by Aravis; NAME is one that
+///                       `list_cameras` returns, or an address. `aravis:Fake_1` is Aravis' own
 ///                       simulation.
 ///     v4l2:NUMBER       /dev/videoNUMBER, by OpenCV. It has no counter of frames.
 ///     simulated:PATH    plays the images of a folder or a video again and again, at 30 frames/s
@@ -93,7 +93,7 @@ struct CameraEntry {
   std::string model;  ///< maker and model
 };
 
-/// What was found, and where no look could be taken.
+/// The cameras that were found, and the errors of searches that failed.
 struct CameraList {
   std::vector<CameraEntry> cameras;
   std::vector<std::string> problems;

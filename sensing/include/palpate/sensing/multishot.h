@@ -16,21 +16,21 @@ struct MultishotOptions {
   /// Number of times that the images of the pattern are shown, each time with another exposure of
   /// the camera; in [1, 100]. A pixel uses the exposures in which it is nowhere clipped.
   int exposures = 1;
-  /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
+  /// A pixel is lit if the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.01;
-  /// Its phase is used iff its predicted variance <= max_phase_variance [rad^2]; > 0.
+  /// Its phase is used if its predicted variance <= max_phase_variance [rad^2]; > 0.
   double max_phase_variance = 0.01;
-  /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
+  /// A depth is kept if |dz / dphase| <= max_sensitivity * z per rad; > 0.
   double max_sensitivity = 0.1;
 };
 
-/// Depths of a still scene, and whether it was still.
+/// Depths of a still scene, and figures that show whether it was still.
 struct MultishotResult {
   DecodeResult decoded;  ///< `transitions`, `regions` and `unresolved_regions` are 0
-  /// [rad] RMS over the lit pixels of the error of their phases that is not noise: what the images
-  /// show besides one sinusoid, and neighbouring pixels alike. Motion between the images, light
-  /// that flickers, or a response that is not linear. NaN for three steps, which leave no
-  /// remainder.
+  /// [rad] RMS over the lit pixels of the error of their phases that is not noise: the part of the
+  /// images that is not one sinusoid, and that neighbouring pixels share. It comes from motion
+  /// between the images, light that flickers, or a response that is not linear. NaN for three
+  /// steps, which leave no remainder.
   double disagreement = 0;
   /// Jumps of the phase by whole turns between neighbours along the sinusoid, per turn that it runs
   /// on. A depth step is hardly ever a whole number of turns, but a code of another order is wrong
@@ -41,9 +41,9 @@ struct MultishotResult {
   cv::Mat color;
 };
 
-/// `disagreement` [rad] from which on the images do not show one still scene.
+/// From this `disagreement` [rad] on, the images do not show one still scene.
 inline constexpr double kStillDisagreement = 0.02;
-/// `code_jumps` from which on the images of the code are not those of the pattern, in its order.
+/// From this `code_jumps` on, the images of the code are not those of the pattern, in its order.
 inline constexpr double kOrderedCodeJumps = 0.02;
 
 /// Decodes several images of a scene that holds still (`Multishot`) into one range map, pixel by
@@ -51,13 +51,13 @@ inline constexpr double kOrderedCodeJumps = 0.02;
 ///
 /// Mean, amplitude B and phase of the sinusoid come from least squares over the images, the
 /// multiple of 2 pi from the code. The code's bits are read against the mean, and the bit that is
-/// least certain, at most one in a Gray code, is read as it agrees better with the phase. A pixel
-/// whose code contradicts its phase gets no depth (`ambiguous_offset`).
+/// least certain, at most one in a Gray code, is read so that it agrees better with the phase. A
+/// pixel whose code contradicts its phase gets no depth (`ambiguous_offset`).
 ///
 /// The variance of the phase of N equal steps is 2 sigma_I^2 / (N B^2), where sigma_I^2, the
-/// variance of a value, is a linear function of the light: the median over the image of what the
-/// fit leaves (with three steps, of fourth differences of the phase between pixels), or what it
-/// leaves at this pixel if that is beyond chance. All channels and exposures are added, after the
+/// variance of a value, is a linear function of the light: the median over the image of the fit's
+/// residuals (with three steps, of fourth differences of the phase between pixels), or the residual
+/// of this pixel if that is beyond chance. All channels and exposures are added, after the
 /// alignment of red and blue with green.
 class MultishotDecoder {
  public:

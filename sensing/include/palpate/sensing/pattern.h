@@ -36,7 +36,7 @@ struct Multishot {
   /// then as far as possible from those of all others, and any single bit that is misread
   /// contradicts the phase.
   double code_cell = 0;
-  double code_start = -0.5;  ///< px, where the first cell begins
+  double code_start = -0.5;  ///< px, start of the first cell
 };
 
 /// The projected pattern (thesis 3.2): coloured stripes whose brightness varies as the sinusoid

@@ -12,7 +12,7 @@
 
 namespace palpate::sensing {
 
-/// How a pattern is drawn on the projector's panel.
+/// Options for drawing a pattern on the projector's panel.
 struct DrawOptions {
   /// false: the pattern is drawn straight. A decoder that knows the projector's pose and lens sees
   /// what the rig predicts: a stripe edge or a phase is one coordinate of the panel. true: the
@@ -26,7 +26,7 @@ struct DrawOptions {
   int bits = 8;  ///< per channel; 8 or 16
 };
 
-/// The rig with which frames of a drawing have to be decoded.
+/// Returns the rig with which frames of a drawing have to be decoded.
 ///
 /// `rectify` replaces the projector by a parallel one at the same place, with the same focal
 /// lengths, whose panel holds everything that the real one shows. `compensate` sets beta = 1 and

@@ -33,21 +33,21 @@ struct LostFrames {
 
 struct RecordingOptions {
   std::optional<std::uint64_t> frames = {};  ///< ends after this number; >= 1
-  std::optional<double> seconds = {};        ///< ends so long after the first frame; > 0 [s]
+  std::optional<double> seconds = {};        ///< ends this long after the first frame; > 0 [s]
   /// For frames that wait to be written [bytes].
   std::size_t memory = std::size_t{512} << 20U;
-  /// Without a frame for so long [s] the camera counts as dead; > 0. Longer than its interval.
+  /// If no frame comes for this long [s], the camera counts as dead; > 0, more than its interval.
   double patience = 5;
-  /// Threads that write. Most of their time they wait for the disk.
+  /// Threads that write. They wait for the disk most of the time.
   int writers = 4;
-  int decoders = 0;  ///< threads that decode; 0 if nobody does
+  int decoders = 0;  ///< threads that decode; 0 if frames are not decoded
 };
 
-/// What a recording does with its frames. An exception of `write` or `decode` ends the recording.
+/// The work on the frames of a recording. An exception of `write` or `decode` ends the recording.
 struct RecordingWork {
   /// Writes a frame; called for every recorded frame, from several threads at once.
   std::function<void(const RecordedFrame&)> write;
-  /// Decodes a frame; called for those that it keeps up with, from several threads at once.
+  /// Decodes a frame; called for frames that it can keep up with, from several threads at once.
   std::function<void(const RecordedFrame&)> decode = {};
   /// Called after each frame and at least ten times a second with the number of frames so far and
   /// of lost ones; false ends the recording.
@@ -60,27 +60,27 @@ struct Recording {
   std::size_t skipped = 0;       ///< recorded frames that decoding did not keep up with
   std::size_t most_waiting = 0;  ///< largest number of frames that waited to be written
   double seconds = 0;            ///< between the first and the last frame, by the camera's clock
-  /// Why it ended before what was asked for; empty if it did not.
+  /// The reason why it ended early; empty if it did not.
   std::string broken_off = {};
 };
 
 [[nodiscard]] std::uint64_t count_lost(const std::vector<LostFrames>& lost);
 
-/// Records what a camera sends. The camera never waits for a disk or a decoder: frames wait in
-/// bounded memory, and those that find no room are lost and listed, as those that never arrived.
-/// Every other frame is written. Decoding begins with frames that are at most two behind the newest
-/// one, and skips others.
+/// Records the frames of a camera. The camera never waits for a disk or a decoder: frames wait in
+/// bounded memory. Those for which there is no room are lost and listed, like those that never
+/// arrived; all others are written. Decoding begins with frames that are at most two behind the
+/// newest one, and skips others.
 ///
 /// If the camera stops sending (`patience`) or fails, the frames until then are written, and
 /// `broken_off` says why.
-/// \throws InvalidInput if an option is out of its range, and what `write` and `decode` throw;
-/// frames that wait are then dropped.
+/// \throws InvalidInput if an option is out of its range, and the exceptions of `write` and
+/// `decode`; frames that wait are then dropped.
 [[nodiscard]] Recording record(LiveCamera& camera, const RecordingOptions& options,
                                const RecordingWork& work);
 
-/// Takes one image after something has changed before the camera, such as the projector's picture.
-/// Frames that were exposed before are passed over: those that are already there, and one more,
-/// whose exposure may have begun before the call.
+/// Takes one image after something has changed in front of the camera, such as the projector's
+/// picture. Frames that were exposed before are skipped: those that are already there, and one
+/// more, whose exposure may have begun before the call.
 /// \param patience [s] as above.
 /// \throws DeviceError if the camera sends nothing for that long.
 [[nodiscard]] CameraFrame take_fresh(LiveCamera& camera, double patience);

@@ -36,9 +36,9 @@ struct GreyImage {
 };
 
 struct ResponseOptions {
-  /// Use a pixel iff its range over the images >= min_range times the widest ranges; in (0, 1).
+  /// A pixel is used if its range over the images >= min_range times the widest ranges; in (0, 1).
   double min_range = 0.5;
-  /// The images determine a curve iff these widest ranges >= min_contrast of full scale; in (0, 1).
+  /// The images determine a curve if these widest ranges >= min_contrast of full scale; in (0, 1).
   double min_contrast = 0.05;
 };
 

@@ -40,7 +40,7 @@ struct Rig {
   /// green and blue (columns), relative to the diagonal, which is 1: the camera's colour filters
   /// overlap. The identity means that they do not.
   Eigen::Matrix3d color_mixing = Eigen::Matrix3d::Identity();
-  /// How well the rig is known. Empty if that is not known: the rig then counts as exact.
+  /// Uncertainty of the rig. Empty if it is not known: the rig then counts as exact.
   std::optional<RigCovariance> covariance{};
 };
 

@@ -18,11 +18,11 @@ namespace palpate::sensing {
 struct AssessmentOptions {
   /// Only the first counted_bodies bodies are assessed; the others are scenery. > 0; default: all.
   std::optional<int> counted_bodies = {};
-  /// A pixel faces both lenses iff its incidence is <= max_incidence [rad]; in (0, pi/2].
+  /// A pixel faces both lenses if its incidence is <= max_incidence [rad]; in (0, pi/2].
   double max_incidence = 65 * std::numbers::pi / 180;
 };
 
-/// How much of the bodies was measured, in pixels, and how well.
+/// The coverage of the bodies, in pixels, and the errors of their depths.
 /// visible = outside + dark + score.measurable.
 struct RigAssessment {
   /// Coverage and errors; the lit pixels are the measurable ones. Pixels that see scenery do not

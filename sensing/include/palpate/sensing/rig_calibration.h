@@ -18,10 +18,10 @@ struct RigCalibrationOptions {
   /// Estimated coefficients of each lens distortion: 0, 2 (k1 k2), 4 (also p1 p2) or 5 (also k3,
   /// which only boards that reach the corners of the image determine).
   int distortion_terms = 4;
-  /// A view is an outlier iff one of its RMS residuals > max_residual_ratio times the median over
+  /// A view is an outlier if one of its RMS residuals > max_residual_ratio times the median over
   /// the other views (or times 0.1 px, if that is larger); > 1.
   double max_residual_ratio = 4;
-  /// The views determine the rig iff the standard deviation of every focal length <=
+  /// The views determine the rig only if the standard deviation of every focal length <=
   /// max_focal_deviation times that focal length, in (0, 1), ...
   double max_focal_deviation = 0.02;
   /// ... and two boards are tilted relative to each other by >= min_tilt_deg; > 0. Parallel boards
@@ -40,7 +40,7 @@ struct ViewResiduals {
   double camera_rms = 0;     ///< px, root of the mean squared length of the residuals
   double projector_rms = 0;  ///< px
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();  ///< mm
-  Eigen::Matrix2Xd camera;              ///< 2 x N [px], where the camera sees the points
+  Eigen::Matrix2Xd camera;              ///< 2 x N [px], these points in the camera's image
   Eigen::Matrix2Xd camera_residual;     ///< 2 x N [px], observed minus predicted
   Eigen::Matrix2Xd projector;           ///< 2 x M [px]
   Eigen::Matrix2Xd projector_residual;  ///< 2 x M [px], observed minus predicted
@@ -56,7 +56,7 @@ struct RigCalibration {
   /// Median standard deviation of depths by the rig's covariance, as a share of the depth: over the
   /// camera's image, at the distances of the boards.
   double depth_deviation = 0;
-  /// What the views determine badly: parameter, standard deviation, and which pose to add.
+  /// Parameters that the views determine badly: name, standard deviation, and which pose to add.
   std::vector<std::string> advice;
   CameraDeviation camera_deviation;
   CameraDeviation projector_deviation;
@@ -77,8 +77,8 @@ struct RigCalibration {
 /// camera (Moreno and Taubin 2012). Then all parameters and board poses are refined together: a lit
 /// point is where the camera's ray meets the board, and must be where the projector's ray does.
 /// Each instrument is weighted by the inverse of its residual variance, and points with residuals
-/// above three standard deviations lose weight. The standard deviations cover what differs from
-/// point to point, not a board that is not flat. The order of the views does not matter.
+/// above three standard deviations lose weight. The standard deviations cover errors that differ
+/// from point to point, not a board that is not flat. The order of the views does not matter.
 /// \throws InvalidInput if views are malformed or an option is outside its range.
 /// \throws SolverError if fewer than three views remain or the views do not determine the
 /// parameters, for example because all boards are parallel. The message tells what to show.

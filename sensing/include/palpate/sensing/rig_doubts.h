@@ -20,10 +20,10 @@ struct Doubt {
   bool impossible = false;  ///< nothing useful can come of it
 };
 
-/// Judges whether a lens can show an image at these angles. Unlikely are a corner of the image more
-/// than 65 degrees from the optical axis, or a principal point outside the image and more than 30
-/// degrees from its middle, and a whole image narrower than 0.1 degrees; impossible is a corner
-/// more than 80 degrees away.
+/// Judges whether a lens can show an image at these angles. It is unlikely that a corner of the
+/// image is more than 65 degrees from the optical axis, that a principal point is outside the image
+/// and more than 30 degrees from its middle, or that a whole image is narrower than 0.1 degrees; a
+/// corner more than 80 degrees away is impossible.
 /// \pre the camera is valid.
 [[nodiscard]] std::vector<Doubt> camera_doubts(const geometry::Camera& camera);
 

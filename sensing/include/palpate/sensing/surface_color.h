@@ -11,15 +11,15 @@
 namespace palpate::sensing {
 
 /// Finds the colour of the surface in a frame that shows it under the pattern, without stripes and
-/// fringes: what the camera would see under white light of the sinusoid's mean brightness. The
+/// fringes: as the camera would see it under white light of the sinusoid's mean brightness. The
 /// projector's shading (distance, angle of incidence) stays.
 ///
-/// Every depth tells which projector pixel lights it, thus the sinusoid's angle a and the stripe
-/// there. In windows of a period, least squares fit I = M + C cos a + S sin a, so blur and colour
-/// channels that lag behind need not be known, and I M / (M + C cos a + S sin a) has no fringes. A
-/// stripe lights only some channels. Over the width of some stripes the others are interpolated
-/// where they are lit; the ratio of what is lit to that gives brightness at full resolution. So
-/// brightness has the resolution of the camera, and colour that of the stripes.
+/// Every depth determines the projector pixel that lights it, and thus the sinusoid's angle a and
+/// the stripe there. In windows of a period, least squares fit I = M + C cos a + S sin a, so blur
+/// and colour channels that lag behind need not be known, and I M / (M + C cos a + S sin a) has no
+/// fringes. A stripe lights only some channels. Over the width of some stripes the others are
+/// interpolated where they are lit; the ratio of the lit values to these gives brightness at full
+/// resolution. So brightness has the resolution of the camera, and colour that of the stripes.
 /// \param frame  8 or 16 bit, linear in the light, 1 or 3 channels (BGR), of the camera's size.
 /// \param range  decoded from this frame with this rig and pattern.
 /// \return float in [0, 1], linear in the light, with the frame's channels; 0 where the depth is

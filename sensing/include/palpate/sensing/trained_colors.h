@@ -30,8 +30,8 @@ struct NamedImages {
 };
 
 struct TrainingOptions {
-  double min_value = 0.08;  ///< use a pixel iff max(R, G, B) >= min_value of full scale; in (0, 1)
-  double min_saturation = 0.4;  ///< and iff its HSV saturation >= min_saturation; in (0, 1)
+  double min_value = 0.08;  ///< use a pixel if max(R, G, B) >= min_value of full scale; in (0, 1)
+  double min_saturation = 0.4;  ///< and if its HSV saturation >= min_saturation; in (0, 1)
 };
 
 /// Fits a circular mean and variance of the hue to each colour. Images with the same name are

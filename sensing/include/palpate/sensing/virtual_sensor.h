@@ -34,7 +34,7 @@ struct Body {
   Eigen::Matrix2Xd texture_coordinates{};
   double specular = 0;  ///< strength of the highlight, which has the colour of the light; in [0, 1]
   double shininess = 50;  ///< exponent of the highlight (Blinn-Phong): higher is narrower; >= 1
-  /// An edge is shaded smoothly iff the normals of its triangles differ by <= crease_angle [rad];
+  /// An edge is shaded smoothly if the normals of its triangles differ by <= crease_angle [rad];
   /// in [0, pi].
   double crease_angle = 0.6;
 };
