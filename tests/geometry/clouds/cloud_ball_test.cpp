@@ -24,14 +24,14 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kRadius = 15;  // [mm]
 const Vector3d kCentre(12, -7, 620);
 
-/// [mm] along the unit ray; infinite if it misses.
+/// Distance to the ball along the unit ray [mm]; infinite if it misses.
 double meets_ball(const Vector3d& ray, const Vector3d& centre, double radius) {
   const double along = ray.dot(centre);
   const double inside = along * along - centre.squaredNorm() + radius * radius;
   return inside > 0 ? along - std::sqrt(inside) : kInfinite;
 }
 
-/// A rod of 6 mm radius from the ball to the right, as an arm that holds it.
+/// The same for a rod of 6 mm radius from the ball to the right, as an arm that holds it.
 double meets_rod(const Vector3d& ray) {
   const Vector3d axis = Vector3d(1, 0.3, 0.4).normalized();
   const Vector3d across = ray - axis.dot(ray) * axis;
@@ -42,7 +42,7 @@ double meets_rod(const Vector3d& ray) {
   return axis.dot(t * ray - kCentre) > 0 ? t : kInfinite;
 }
 
-/// What a camera sees of a ball on a rod before a wavy background, with noise along its rays.
+/// Range map of a ball on a rod in front of a wavy background, with noise along the rays.
 RangeMapMesh scene(double radius, double noise, unsigned seed, const Vector3d& centre = kCentre) {
   RangeMap map;
   map.camera.width = 160;

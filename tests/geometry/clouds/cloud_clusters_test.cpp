@@ -38,7 +38,7 @@ std::vector<int> flooded(const Matrix3Xd& points, double gap) {
   return component;
 }
 
-/// Whether two labels of the same points divide them alike.
+/// Returns true if two labels of the same points divide them alike.
 bool divide_alike(const std::vector<int>& a, const std::vector<int>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

@@ -53,7 +53,7 @@ TEST(CloudNormals, OfPlanesAreExact) {
 }
 
 TEST(CloudNormals, OfAClosedScanAgreeWithItsMesh) {
-  // A torus is neither convex nor simply connected: only neighbours can tell the side.
+  // A torus is neither convex nor simply connected: only neighbours determine the side.
   const TriangleMesh mesh = test::torus(96, 48, 20, 8);
   const CloudNormals found = cloud_normals(mesh.vertices);
   EXPECT_LT(largest_angle(found.normals, vertex_normals(mesh)), 0.1);

@@ -22,7 +22,7 @@ using test::Vector3d;
 
 /// Least squares of exact points of some 10 mm.
 constexpr double kFitRounding = 1e-9;
-/// [mm] noise of the points below, and what the mean of hundreds of them leaves of it.
+/// [mm] noise of the points below, and the part of it that remains in the mean of hundreds.
 constexpr double kNoise = 0.05;
 constexpr double kMeanNoise = 0.02;
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-/// Clouds whose surfaces are known, and what tests of clouds share.
+/// Clouds whose surfaces are known, and helpers that tests of clouds share.
 namespace palpate::geometry::test {
 
 using Eigen::Isometry3d;

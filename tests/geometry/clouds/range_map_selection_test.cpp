@@ -33,7 +33,7 @@ struct Table {
   [[nodiscard]] bool is_ball(const Vector3d& p) const { return (p - ball).norm() < radius + 0.01; }
 };
 
-/// What the camera sees, with normal noise of the depths.
+/// Range map that the camera sees, with normal noise of the depths.
 RangeMap seen_table(const Table& table, double noise) {
   RangeMap map{ImageF::Constant(120, 160, kNoDepth), table_camera()};
   std::mt19937 random(7);
@@ -110,7 +110,7 @@ TEST(RangeMapSelection, LeavesTheObjectOnATable) {
     if (std::isnan(exact.z.data()[pixel])) continue;
     const bool is_kept = !std::isnan(kept.z.data()[pixel]);
     const double height = table.height(points.col(pixel));
-    // What is nearer to the plane than tolerance and noise may be left out.
+    // Points nearer to the plane than tolerance and noise may be left out.
     const bool is_ball = table.is_ball(points.col(pixel)) && height > kTolerance + 4 * kDepthNoise;
     ball += is_ball ? 1 : 0;
     lost += is_ball && !is_kept ? 1 : 0;

@@ -18,7 +18,7 @@
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
 
-/// What tests of contact triangulations share.
+/// Helpers that tests of contact triangulations share.
 namespace palpate::geometry::test {
 
 /// Weights: some tens of operations on values of the order of one, after a chain of flips.
@@ -59,7 +59,7 @@ struct Counts {
   [[nodiscard]] int euler() const { return vertices - edges + faces; }
 };
 
-/// Counts what is in use, after checking that the mesh is an oriented manifold with border: no
+/// Counts the elements in use, after checking that the mesh is an oriented manifold with border: no
 /// triangle twice, no side of an edge twice, and the edges opposite to a vertex form one chain.
 inline Counts check_manifold(const TriangleMesh& mesh) {
   std::set<std::pair<int, int>> sides;

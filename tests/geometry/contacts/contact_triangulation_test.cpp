@@ -30,7 +30,7 @@ using test::kWeightRounding;
 using test::nearest_places;
 using test::random_contacts;
 
-/// The parts of the surface that have a contact, as the weights say.
+/// The parts of the surface that have a contact, according to the weights.
 TriangleMesh parts_with_contacts(const TriangleMesh& surface, const SurfaceWeights& weights) {
   TriangleMesh parts = surface;
   Eigen::Index kept = 0;
@@ -240,7 +240,7 @@ TEST(TriangulateContacts, WeightsJumpLessTheFinerTheSurfaceIs) {
     EXPECT_LT(jump, 0.65 * coarser) << levels;
     coarser = jump;
   }
-  // An open surface, where helpers at the border have a part in it.
+  // An open surface, on which helpers at the border have a part in the result.
   coarser = 1;
   for (const int cells : {40, 80, 160}) {
     const TriangleMesh sheet = test::height_field(
@@ -343,7 +343,7 @@ TEST(TriangulateContacts, TakesManyContactsInOneTriangleAndAlongEdges) {
 }
 
 TEST(TriangulateContacts, GivesAHelperAmongThousandsOfContactsAContact) {
-  // A fan of half a disc: its hub is pinned on the border, and no contact has a thousandth there.
+  // A fan of half a disc: its hub is pinned on the border, where each weight is below 0.001.
   constexpr int kRim = 2000;
   TriangleMesh fan{.vertices = Eigen::Matrix3Xd::Zero(3, kRim + 1),
                    .triangles = Eigen::Matrix3Xi(3, kRim - 1)};

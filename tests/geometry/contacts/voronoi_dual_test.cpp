@@ -84,8 +84,8 @@ TEST(VoronoiDual, OnAFlatSheetIsThePlanarDelaunayTriangulation) {
 }
 
 TEST(VoronoiDual, OfARegularGridIsADiskWithoutGaps) {
-  // Every four neighbours are on one circle: which diagonal is taken is rounding, that there is one
-  // is not.
+  // Every four neighbours are on one circle: rounding decides which diagonal is taken, but there
+  // must be one.
   const TriangleMesh sheet = test::flat_sheet(80, 60, 1.1);
   for (const double jitter : {0.0, 1e-12, 1e-3, 0.2}) {
     const ContactTriangulation result =

@@ -91,12 +91,12 @@ TEST(DeformationGraph, SmoothVerticesHaveLessNoiseAndTheSameShape) {
   EXPECT_LT(std::sqrt(left.square().mean()), roughness / 3);
   EXPECT_LT(radii_of(DeformationGraph(sphere, {.nodes = 200}).smooth_vertices()).abs().maxCoeff(),
             roughness / 10);
-  // As many nodes as that follow anything.
+  // With this many nodes the graph follows anything.
   const TriangleMesh coarse = test::icosphere(2, radius);
   EXPECT_EQ(DeformationGraph(coarse, {.nodes = 40}).smooth_vertices(), coarse.vertices);
 }
 
-/// A way along edges is at most so many times as long as the straight one on these meshes.
+/// A way along edges is at most this many times as long as the straight one on these meshes.
 constexpr double kDetour = 1.35;
 
 TEST(DeformationGraph, NodesAreSpreadAlongTheSurfaceAndAFingerDoesNotMoveItsNeighbour) {
@@ -128,8 +128,8 @@ TEST(DeformationGraph, NodesAreSpreadAlongTheSurfaceAndAFingerDoesNotMoveItsNeig
 
 TEST(DeformationGraph, ANodeGainsInfluenceGradually) {
   const DeformationGraph graph(test::flat_sheet(60, 60, 1.1), {.nodes = 40});
-  // Nodes are 11 mm apart: one edge of 1.1 mm inside the reach of a node its weight is small, but
-  // at the few places that are equally far from four nodes.
+  // Nodes are 11 mm apart: one edge of 1.1 mm inside the reach of a node its weight is small,
+  // except at the few places that are equally far from four nodes.
   double sum = 0;
   long count = 0;
   for (const auto& corners : graph.mesh().triangles.colwise()) {

@@ -41,7 +41,7 @@ Vector3d poked_and_bent(const Vector3d& rest, double depth = 20) {
   return test::bent(test::dented_block(rest, depth));
 }
 
-/// Distances of the vertices from where they truly are, of those in `which`.
+/// Distances of the vertices in `which` from their true places.
 ErrorStatistics errors(const Matrix3Xd& found, const Matrix3Xd& truth,
                        const std::vector<bool>& which) {
   std::vector<double> distances;
@@ -72,7 +72,7 @@ TEST(RegisterDeformed, IsNotPulledByDepthsThatAreBiasedAtTheBorder) {
   const TriangleMesh rest = rest_mesh();
   RangeMap map = test::render(rest, test::bumpy_camera(kWidth));
   const ImageF exact = map.z;
-  // As the windows of a fringe sensor do: too near at the upper border, too far at the lower one.
+  // Like the windows of a fringe sensor: too near at the upper border, too far at the lower one.
   for (Eigen::Index row = 3; row + 3 < exact.rows(); ++row) {
     for (Eigen::Index col = 0; col < exact.cols(); ++col) {
       if (std::isnan(exact(row - 3, col))) map.z(row, col) -= 6;
@@ -84,8 +84,8 @@ TEST(RegisterDeformed, IsNotPulledByDepthsThatAreBiasedAtTheBorder) {
   EXPECT_LT(errors(found.vertices, rest.vertices, all(rest)).rms, 0.15);
 }
 
-/// A plane of 100 mm that faces the camera, pressed in by 3 mm within 9 mm of its middle, and what
-/// the camera sees of it; nothing within 6 mm, where a tool stands.
+/// A plane of 100 mm that faces the camera, pressed in by 3 mm within 9 mm of its middle, and its
+/// range map; no depth within 6 mm, where a tool stands.
 struct PressedPlane {
   TriangleMesh rest, pressed;
   RangeMap map;
@@ -216,7 +216,7 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
   std::vector<bool> hidden = visible;
   hidden.flip();
   EXPECT_LT(errors(found.vertices, moved.vertices, hidden).rms, 1.5);
-  // Under the tool nothing is measured of the surface; it has followed by most of the dent.
+  // Under the tool the surface is not measured; it has followed by most of the dent.
   const double gate = NonRigidOptions{}.min_correspondence * bounding_diagonal(rest_mesh());
   long behind = 0;
   long named = 0;
@@ -296,7 +296,7 @@ TEST(RegisterDeformed, FollowsATextureWhereDepthsShowNothing) {
   test::add_noise(before, 0.3, 1);
   test::add_noise(after, 0.3, 2);
   const DeformationGraph graph(rest, {.nodes = 250});
-  // Where the first frame puts the vertices along the plane is as good as any.
+  // Any position of the vertices along the plane in the first frame is as good as another.
   const DeformedSurface start = register_deformed(graph, before);
   Matrix3Xd truth = start.vertices;
   truth.topRows<2>().colwise() += shift;
@@ -317,7 +317,7 @@ TEST(RegisterDeformed, FollowsATextureWhereDepthsShowNothing) {
   EXPECT_NEAR(median_along(register_deformed(graph, after, {}, start.node_motions, {}, brighter)),
               median_along(found), 1e-6);
 
-  // An image that has nothing to do with the surface tells nothing.
+  // An image that has nothing to do with the surface gives no information.
   test::add_noise(before, 20, 3);
   seen.image = before.z;
   EXPECT_GT(median_along(register_deformed(graph, after, {}, start.node_motions, {}, seen)), 1);

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 constexpr int kSeenWidth = 192;      // pixels of 3 mm
 constexpr double kDepthNoise = 0.3;  // mm
 
-/// What is seen of a surface, with other noise for each seed.
+/// Range map of a surface, with other noise for each seed.
 RangeMap seen(const TriangleMesh& surface, double noise, unsigned seed, double unit = 1) {
   RangeMap map = test::render(surface, test::bumpy_camera(kSeenWidth));
   test::add_noise(map, noise, seed);
@@ -30,7 +30,7 @@ RangeMap seen(const TriangleMesh& surface, double noise, unsigned seed, double u
   return map;
 }
 
-/// Grown about the middle.
+/// The surface, scaled about its middle.
 TriangleMesh grown(const TriangleMesh& rest, const Vector3d& growth) {
   const Vector3d middle = rest.vertices.rowwise().mean();
   return test::deformed(rest, [&](const Vector3d& p) -> Vector3d {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 
-// Files as they should not be: each is refused by a FileError that names it, or read as a whole.
+// Damaged files: each is refused by a FileError that names it, or read as a whole.
 #include <gtest/gtest.h>
 #include <lzf.h>
 #include <sys/resource.h>
@@ -34,7 +34,7 @@ struct Sample {
   int rounds = 2000;  ///< of random damage
 };
 
-/// Assimp sets up its readers of all formats anew for each file, which takes a millisecond.
+/// Assimp sets up its readers of all formats again for each file, which takes a millisecond.
 constexpr int kAssimpRounds = 200;
 
 MeshFile small_file() {
@@ -123,8 +123,8 @@ std::vector<Sample> samples() {
           {".glb", glb(), true, kAssimpRounds}};
 }
 
-/// Runs `read`, which either gives something that `check` finds sound, or refuses with the file's
-/// name. Whether it was read.
+/// Runs `read`, which either returns something that `check` finds sound, or refuses with the file's
+/// name. Returns true if it was read.
 template <typename Read, typename Check>
 bool is_read(const fs::path& path, Read read, Check check) {
   try {
@@ -138,7 +138,7 @@ bool is_read(const fs::path& path, Read read, Check check) {
   return false;
 }
 
-/// As a mesh and as points. Whether either was read.
+/// Reads it as a mesh and as points. Returns true if either was read.
 bool is_read(const fs::path& path) {
   const bool as_mesh = is_read(
       path, [&] { return read_mesh_file(path); },
@@ -157,8 +157,8 @@ bool is_read(const fs::path& path) {
   return as_mesh || as_points;
 }
 
-/// While it lives, this process can take no more than `bytes` of memory above what it has.
-/// Does nothing under AddressSanitizer, which cannot live with that.
+/// While it lives, this process can take no more than `bytes` of memory above its current use. Does
+/// nothing under AddressSanitizer, which does not work with this limit.
 class SmallMemory {
  public:
   explicit SmallMemory(rlim_t bytes) {
@@ -204,8 +204,8 @@ TEST(BrokenFiles, AreRefusedWhereverTheyEnd) {
   }
 }
 
-/// One to four bytes changed, taken out or put in; digits often become other digits, so that
-/// counts and indices are met and not only the words between them.
+/// One to four bytes changed, removed or inserted; digits often become other digits, so that counts
+/// and indices are hit and not only the words between them.
 std::string damaged(std::string content, std::mt19937& random) {
   for (unsigned changes = 1 + random() % 4; changes > 0 && !content.empty(); --changes) {
     const std::size_t place = random() % content.size();

@@ -55,7 +55,7 @@ TEST(FileUnit, OfTheCallerGoesBeforeTheDeclaredOne) {
   EXPECT_EQ(file.unit.length, 25.4);
   EXPECT_EQ(file.unit.source, UnitSource::stated);
   EXPECT_EQ(file.mesh.vertices(0, 1), 25.4);
-  EXPECT_TRUE(file.comments.empty());  // what is written now is in mm
+  EXPECT_TRUE(file.comments.empty());  // files are now written in mm
 }
 
 TEST(FileUnit, TheFirstDeclarationCounts) {

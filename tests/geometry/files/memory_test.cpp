@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// How much memory readers take for files that need the most of each format.
+// Memory that readers take for files that need the most of each format.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -24,7 +24,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// Of each file: so much that what the process has without it does not matter.
+/// Size of each file: so large that the memory of the process without it does not matter.
 constexpr std::size_t kFileBytes = 2'000'000;
 
 std::string repeated(const std::string& head, const std::string& line) {
@@ -33,13 +33,13 @@ std::string repeated(const std::string& head, const std::string& line) {
   return content;
 }
 
-/// [bytes] The most that a process of its own takes for the work.
+/// [bytes] Peak memory of a separate process that does the work.
 double peak_of(const std::function<void()>& work) {
   const pid_t child = ::fork();
   if (child == 0) {
     try {
       work();
-    } catch (const Error&) {  // what is refused must not take more either
+    } catch (const Error&) {  // a refused file must not take more either
     }
     ::_exit(0);
   }
@@ -104,7 +104,7 @@ TEST(Memory, OfContentThatIsCompressedBeyondTheLimitIsRefused) {
   constexpr std::uint32_t kStrip = 10;
   TIFFSetField(file, TIFFTAG_ROWSPERSTRIP, kStrip);
   std::vector<float> strip(std::size_t{kStrip} * kColumns, 0.0F);
-  // It is refused before the other strips are missed.
+  // It is refused before the missing strips are noticed.
   TIFFWriteEncodedStrip(file, 0, strip.data(), static_cast<tmsize_t>(strip.size() * sizeof(float)));
   TIFFClose(file);
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_depth_tiff(path)), FileError,

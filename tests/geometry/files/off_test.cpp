@@ -55,7 +55,7 @@ TEST(Off, KeepsTheColorsAndNormalsThatItAnnounces) {
   const Attributes alpha = attributes(
       "STCOFF\n3 1 0\n0 0 0 1 0 0 0.5 8 9\n1 0 0 1 0 0 0.5 8 9\n0 1 0 1 0.25 0 0.5 8 9\n");
   EXPECT_EQ(colors(alpha)->col(2), Eigen::Vector4d(1, 0.25, 0, 0.5));
-  // Nothing where a vertex lacks what was announced.
+  // No attributes if a vertex lacks data that the header declares.
   EXPECT_TRUE(attributes("COFF\n3 1 0\n0 0 0 1 0 0\n1 0 0\n0 1 0 1 0 0\n").empty());
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Three vertices and one triangle in the middle of everything else a PLY file may hold.
+/// Three vertices and one triangle in the middle of all other content that a PLY file may have.
 std::string rich_binary(std::endian order) {
   std::string bytes =
       std::string("ply\r\nformat binary_") + (order == std::endian::big ? "big" : "little") +
@@ -198,7 +198,7 @@ TEST(Ply, KeepsEveryPropertyAndComment) {
   for (const std::endian order : {std::endian::little, std::endian::big}) {
     write_text(folder / "mesh.ply", rich_binary(order));
     const MeshFile file = read_mesh_file(folder / "mesh.ply");
-    ASSERT_EQ(file.vertex_attributes.size(), 2U);  // but for x, y and z
+    ASSERT_EQ(file.vertex_attributes.size(), 2U);  // except for x, y and z
     EXPECT_EQ(file.vertex_attributes[0].name, "quality");
     EXPECT_EQ(std::get<std::vector<std::uint8_t>>(file.vertex_attributes[0].values),
               std::vector<std::uint8_t>(3, 7));

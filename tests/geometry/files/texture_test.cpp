@@ -68,7 +68,7 @@ TEST(Texture, OfPolygonsInPlyIsDividedAmongTheirTriangles) {
       EXPECT_EQ((texture->coordinates.block<2, 1>(2 * k, t)), 0.5 * corner.head<2>());
     }
   }
-  // A list that does not fit the polygon is none.
+  // A list that does not fit the polygon counts as none.
   const auto other =
       corner_texture(read("a.ply", header + "4 0 1 2 3 6 0 0 1 0 1 1\n").triangle_attributes);
   ASSERT_TRUE(other);
@@ -131,7 +131,7 @@ TEST(Texture, GoesThroughRepairAndFilling) {
       EXPECT_EQ(texture.coordinates(2 * k + 1, t), 0.25 * corner.y());
     }
   }
-  // What is new has none.
+  // A new triangle has none.
   TriangleMesh more = repaired.mesh;
   more.triangles.conservativeResize(3, 5);
   more.triangles.col(4) << 0, 1, 5;

@@ -12,7 +12,7 @@
 namespace palpate::geometry {
 namespace {
 
-// Byte by byte as VTK's description of its file formats says; tests/python has VTK read one.
+// Byte by byte according to VTK's description of its file formats; in tests/python VTK reads one.
 TEST(Vtk, HasPointsPolygonsAndFieldsInBigEndianNumbers) {
   const ScratchFolder folder;
   MeshFile file;

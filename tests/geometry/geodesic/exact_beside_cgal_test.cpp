@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// The exact distance beside CGAL's, an independent implementation of another algorithm.
+// The exact distance compared with CGAL's, an independent implementation of another algorithm.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -14,7 +14,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// What the perturbation that CGAL needs does to a distance, relative to it and to the mean edge.
+/// Effect on a distance of the perturbation that CGAL needs, relative to it and to the mean edge.
 constexpr double kPerturbed = 10 * test::kCgalPerturbation;
 
 TEST(ExactBesideCgal, DistancesAndLabelsAgree) {

@@ -25,7 +25,7 @@ namespace {
 using Eigen::Vector3d;
 using test::straight_distances;
 
-/// What the header promises; relative to the distance and the mean length of the edges.
+/// Accuracy that the header guarantees; relative to the distance and the mean length of the edges.
 constexpr double kAccuracy = 1e-10;
 
 GeodesicDistance exact(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources,
@@ -138,10 +138,10 @@ TEST(ExactGeodesicDistance, InTheShadowOfAHoleIsThatRoundItsCorners) {
   }
 }
 
-/// A regular tetrahedron of edge 1, each face cut into `n` x `n` triangles; and where its vertices
-/// are when it rolls over the plane. All its images there are +-p plus twice the lattice of its
-/// corners, so that the length of the shortest way is that of the shortest straight line between
-/// images.
+/// A regular tetrahedron of edge 1, each face cut into `n` x `n` triangles; and the positions of
+/// its vertices when it rolls over the plane. All its images there are +-p plus twice the lattice
+/// of its corners, so that the length of the shortest way is that of the shortest straight line
+/// between images.
 struct RolledTetrahedron {
   TriangleMesh mesh;
   Eigen::Matrix2Xd rolled;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Fast marching beside the exact distance and round holes; what else holds for it alone is in
+// Fast marching compared with the exact distance and round holes; its other tests are in
 // geodesic_distance_test.cpp.
 #include <gtest/gtest.h>
 
@@ -95,7 +95,7 @@ TEST(FastMarching, InTheShadowOfAHoleIsThatRoundItsCorners) {
   const test::RelativeErrors errors =
       test::relative_errors(geodesic_distance(plate, std::vector{source}).distance,
                             test::distances_around_hole(plate, kCells, kSpacing), 2 * kSpacing);
-  // The sheet is flat: all there is comes from the edges of the shadow.
+  // The sheet is flat: all errors come from the edges of the shadow.
   EXPECT_LT(errors.mean, 0.1 * kMeanError);
   EXPECT_LT(errors.max, 0.15 * kMaxError);
 }
@@ -162,8 +162,8 @@ TEST(FastMarching, TrianglesThatAreThereTwiceChangeNothing) {
   repeated.triangles << mesh.triangles, mesh.triangles(Eigen::all, twice);
   for (const int triangle : {7, 901, 1777, 2600}) {
     const std::vector<SurfacePoint> source = {{triangle, {0.2, 0.3, 0.5}}};
-    // A wave that passes a triangle twice is not rounded otherwise, but may take another of two
-    // ways that are equally long to kWorthPassingOn.
+    // A wave that passes a triangle twice is rounded in the same way, but may take another of two
+    // ways whose lengths are equal to kWorthPassingOn.
     EXPECT_LT(test::relative_errors(geodesic_distance(repeated, source).distance,
                                     geodesic_distance(mesh, source).distance, 0)
                   .max,

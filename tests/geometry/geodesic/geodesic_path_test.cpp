@@ -29,7 +29,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// What the header promises; relative to the distance and the mean length of the edges.
+/// Accuracy that the header guarantees; relative to the distance and the mean length of the edges.
 constexpr double kPathAccuracy = 1e-9;
 
 /// [rad] of angles of short lines between points that are rounded.
@@ -88,8 +88,8 @@ double least_side(const TriangleMesh& mesh, const Eigen::Matrix3Xi& opposite, in
   return std::min(turn(true).value_or(kInf), turn(false).value_or(kInf));
 }
 
-/// [rad] How far a path is from straight: on edges the turn of the unfolded path; at vertices how
-/// much the smaller side lacks of a straight angle.
+/// [rad] Deviation of a path from a straight one: on edges the turn of the unfolded path; at
+/// vertices the angle by which the smaller side is less than straight.
 double largest_turn(const TriangleMesh& mesh, const GeodesicPath& path) {
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
   double largest = 0;
@@ -319,7 +319,7 @@ TEST(ShortestPaths, ToThePlaceOfASourceHaveNoLength) {
   }
 }
 
-/// Two flat sheets; `apart` = 0 makes them meet at one vertex.
+/// Two flat sheets; if `meet`, they have one vertex in common.
 TriangleMesh two_sheets(bool meet) {
   const TriangleMesh one = test::flat_sheet(4, 3, 1);
   TriangleMesh both;
@@ -485,7 +485,7 @@ TEST(StraightenPath, OfAShortestPathChangesNothing) {
   }
 }
 
-/// [rad] How far a path turns round the z axis in all.
+/// [rad] Total turn of a path round the z axis.
 double turn_round_axis(const TriangleMesh& mesh, const GeodesicPath& path) {
   double turn = 0;
   for (size_t i = 1; i < path.points.size(); ++i) {

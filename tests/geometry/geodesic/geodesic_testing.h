@@ -12,18 +12,18 @@
 #include "palpate/geometry/triangle_mesh.h"
 #include "test_surfaces.h"
 
-/// What tests of geodesic distances share.
+/// Helpers that tests of geodesic distances share.
 namespace palpate::geometry::test {
 
-/// What the march promises on a smooth, well sampled surface, away from the source; relative to the
+/// Accuracy of the march on a smooth, well sampled surface, away from the source; relative to the
 /// distance.
 inline constexpr double kMeanError = 0.0025;
 inline constexpr double kMaxError = 0.015;
 
-/// Of a way of some hundred triangles, each some tens of operations; relative to the distance.
+/// Rounding of a way of some hundred triangles, each some tens of operations; relative to it.
 inline constexpr double kWayRounding = 1e-11;
 
-/// Of the vertices.
+/// Straight distances of the vertices from the source.
 inline Eigen::VectorXd straight_distances(const TriangleMesh& mesh, const SurfacePoint& source) {
   return (mesh.vertices.colwise() - position(mesh, source)).colwise().norm();
 }
@@ -67,7 +67,7 @@ inline TriangleMesh plate_with_hole(int cells, double spacing) {
   return plate;
 }
 
-/// Whether the straight line from p to q in the plane does not pass through the box.
+/// Returns true if the straight line from p to q in the plane does not pass through the box.
 inline bool sees(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                  const Eigen::AlignedBox2d& box) {
   double enter = 0, leave = 1;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Every function that takes a mesh, on every mesh with something wrong: it refuses with one of
-// Palpate's errors, or answers in finite numbers.
+// Calls every function that takes a mesh with every kind of bad mesh: it throws one of Palpate's
+// errors, or returns finite numbers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// A function of the library on a mesh; returns whether its answer is finite where it has to be.
+/// A function of the library on a mesh; returns true if its result is finite where it has to be.
 struct Function {
   std::string name;
   std::function<bool(const TriangleMesh&)> is_finite;
@@ -45,7 +45,7 @@ std::vector<Function> functions() {
   const auto distances = [](GeodesicMethod method) {
     return [method](const TriangleMesh& mesh) {
       const GeodesicDistance found = geodesic_distance(mesh, places(), {.method = method});
-      // Infinite is announced: not reached.
+      // Infinity is documented: not reached.
       return !found.distance.hasNaN() && found.distance.minCoeff() >= 0;
     };
   };

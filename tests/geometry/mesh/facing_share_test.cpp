@@ -59,7 +59,7 @@ TEST(FacingShares, AreThoseOfTheAreaWithinTheRadius) {
   // Half of the triangles around the ridge belong to each side, as all have one area.
   EXPECT_NEAR(share(ridge, right, 0), 0.5, kRounding);
   EXPECT_NEAR(share(ridge, right, 3.2), 0.5, kRounding);
-  // 4 mm from the ridge all within 3 mm is on one side, within 8 mm it is not.
+  // 4 mm from the ridge, all places within 3 mm are on one side; within 8 mm they are not.
   EXPECT_EQ(share(ridge + 4, right, 3), 1);
   EXPECT_EQ(share(ridge - 4, right, 3), 0);
   EXPECT_GT(share(ridge + 4, right, 8), 0.5);

@@ -17,7 +17,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// Edges at the border and inside, when opposite half-edges name each other and the same vertices.
+/// Edges at the border and inside, if opposite half-edges name each other and the same vertices.
 Eigen::Vector2i count_edges(const TriangleMesh& mesh) {
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
   Eigen::Vector2i border_and_inner = Eigen::Vector2i::Zero();

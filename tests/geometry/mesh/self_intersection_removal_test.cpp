@@ -36,7 +36,7 @@ TriangleMesh with_noise(TriangleMesh mesh, int one_in, double distance, unsigned
   return mesh;
 }
 
-/// Describes the defects but needles.
+/// Describes the defects except for needles.
 std::string unsound(const TriangleMesh& mesh) {
   std::string described;
   for (const MeshDefect& defect : find_all_defects(mesh))

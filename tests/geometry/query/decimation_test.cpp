@@ -29,7 +29,7 @@ struct Case {
   std::string name;
   TriangleMesh mesh;
   double tolerance;  ///< [mm]
-  double most;       ///< of its triangles that may be left: the tolerance must be made use of
+  double most;       ///< share of its triangles that may be left: the tolerance must be used
 };
 
 std::vector<Case> cases() {
@@ -44,8 +44,8 @@ std::vector<Case> cases() {
   };
 }
 
-/// In how many pieces the neighbourhood of each vertex falls, found by walking from triangle to
-/// triangle; a manifold has one everywhere.
+/// Number of pieces into which the neighbourhood of each vertex falls, found by walking from
+/// triangle to triangle; in a manifold it is one everywhere.
 std::map<int, int> fans(const TriangleMesh& mesh) {
   std::map<int, std::vector<int>> around;
   for (int t = 0; t < mesh.triangles.cols(); ++t) {
@@ -77,7 +77,7 @@ std::map<int, int> fans(const TriangleMesh& mesh) {
   return count;
 }
 
-/// Lower than a hundredth of its longest side.
+/// Returns true if a triangle is lower than a hundredth of its longest side.
 bool is_sliver(const TriangleMesh& mesh, Eigen::Index triangle) {
   const Eigen::Matrix3d corners = mesh.vertices(Eigen::all, mesh.triangles.col(triangle));
   const Eigen::Vector3d ab = corners.col(1) - corners.col(0);
@@ -123,7 +123,7 @@ TEST(Decimate, TurnsNoTriangleOver) {
     int judged = 0;
     for (Eigen::Index t = 0; t < normals.cols(); ++t) {
       if (is_sliver(result.mesh, t)) continue;
-      double turn = -1;  // cosine, the best of the places and of what is equally near
+      double turn = -1;  // cosine; the best of the places and of equally near triangles
       for (int k = 0; k < 4; ++k) {
         Eigen::Vector3d at = Eigen::Vector3d::Constant(1.0 / 3);
         if (k < 3) at = (at + Eigen::Vector3d::Unit(k)).eval() / 2;

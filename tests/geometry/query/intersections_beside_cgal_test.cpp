@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Self-intersections against the exact predicates of CGAL's kernel, on whole numbers, where most
-// triangles touch, lie in a plane or cross at edges.
+// Self-intersections compared with the exact predicates of CGAL's kernel, on whole numbers, where
+// most triangles touch, lie in a plane or cross at edges.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Intersections_3/Triangle_3_Triangle_3.h>
 #include <gtest/gtest.h>

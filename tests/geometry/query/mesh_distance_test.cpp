@@ -153,7 +153,7 @@ TEST(HausdorffDistance, IsTheSameFarFromTheOrigin) {
       mesh.vertices.colwise() += place;
       return mesh;
     };
-    // What is left of the meshes after their coordinates are rounded, moved back exactly.
+    // The meshes after their coordinates were rounded, moved back exactly.
     const auto back = [&](TriangleMesh mesh) {
       mesh.vertices.colwise() -= place;
       return mesh;

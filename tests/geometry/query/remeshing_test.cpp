@@ -28,7 +28,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// Of the edges, those between the lengths at which edges are collapsed and split.
+/// Share of the edges that are between the lengths at which edges are collapsed and split.
 double share_in_range(const TriangleMesh& mesh, double length) {
   int in_range = 0;
   for (const auto& t : mesh.triangles.colwise()) {
@@ -95,13 +95,13 @@ TEST(Remeshing, PutsVerticesOntoTheSurfaceAndSaysWhere) {
 TEST(Remeshing, OfASphereIsAsNearAsTheChordsOfItsEdges) {
   constexpr double kRadius = 50;
   const TriangleMesh sphere = test::icosphere(4, kRadius);
-  // How far the middle of an equilateral triangle is below a sphere through its corners.
+  // Distance of the middle of an equilateral triangle below a sphere through its corners.
   const auto below = [](double edge) { return edge * edge / 3 / (2 * kRadius); };
   for (const double length : {4.0, 10.0}) {
     const Remeshing result = remesh(sphere, {.edge_length = length});
     const double bound = below(4.0 / 3 * length) + below(mesh_shape(sphere).longest_edge);
     EXPECT_LT(hausdorff_distance(sphere, result.mesh).upper, 1.05 * bound);
-    // Not more than all that the longer edges cut off.
+    // Not more than the longer edges can cut off.
     EXPECT_NEAR(enclosed_volume(result.mesh) / enclosed_volume(sphere), 1, 3 * bound / kRadius);
   }
 }
@@ -118,7 +118,7 @@ TEST(Remeshing, KeepsTheEdgesAndCornersOfABoxExactly) {
       EXPECT_EQ((result.mesh.vertices.colwise() - corner).colwise().norm().minCoeff(), 0);
     }
   }
-  // And back: what was cut along straight edges is joined again.
+  // And back: edges that were cut along straight lines are joined again.
   const TriangleMesh fine = remesh(block, {.edge_length = 1.5}).mesh;
   const Remeshing coarse = remesh(fine, {.edge_length = 6});
   EXPECT_NEAR(enclosed_volume(coarse.mesh), 6000, 6000 * 1e-12);

@@ -31,7 +31,7 @@ TriangleMesh mesh_of(const std::vector<Vector3d>& points,
   return mesh;
 }
 
-/// Whether the edge from corner `i` of one triangle crosses the other, by solving for the place.
+/// Returns true if the edge from corner `i` of one triangle crosses the other, by solving for it.
 bool crosses(const Eigen::Matrix3d& one, int i, const Eigen::Matrix3d& other) {
   Eigen::Matrix3d equations;
   equations << other.col(1) - other.col(0), other.col(2) - other.col(0),

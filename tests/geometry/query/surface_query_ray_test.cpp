@@ -199,7 +199,7 @@ TEST(MoveVertices, AnswersAsANewQueryOfTheMovedMesh) {
   TriangleMesh mesh = test::glove(5.1);
   SurfaceQuery moving(mesh);
   const Eigen::Matrix3Xd at_first = mesh.vertices;
-  // Bent a little, wildly, turned, far away, flat, and back: fitted anew and built anew.
+  // Bent a little, wildly, turned, far away, flat, and back: refitted and rebuilt.
   const auto expect_follows = [&](const Eigen::Matrix3Xd& vertices, double size) {
     mesh.vertices = vertices;
     moving.move_vertices(vertices);

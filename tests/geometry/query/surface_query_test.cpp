@@ -80,7 +80,7 @@ double brute_force_fraction(const TriangleMesh& mesh, const Vector3d& start, con
   return first;
 }
 
-/// The answer must name one and the same place in all its ways.
+/// The answer must name one and the same place in all its members.
 void expect_consistent(const TriangleMesh& mesh, const Vector3d& p, const ClosestPoint& closest) {
   EXPECT_GE(closest.at.barycentric.minCoeff(), 0);
   EXPECT_NEAR(closest.at.barycentric.sum(), 1, kQueryRounding);

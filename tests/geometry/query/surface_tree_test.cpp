@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// The same triangle many times, so that no tree can tell them apart, and another.
+/// The same triangle many times, so that no tree can distinguish them, and another.
 TriangleMesh repeated_triangle(int times) {
   TriangleMesh mesh{.vertices = Eigen::Matrix3Xd(3, 6), .triangles = {}};
   mesh.vertices << 0, 1, 0, 5, 6, 5,  //
@@ -29,7 +29,7 @@ TriangleMesh repeated_triangle(int times) {
   return mesh;
 }
 
-/// Looks at all triangles.
+/// Examines all triangles.
 LoneNearest exhaustive(const SurfaceTree& tree, const Vector3d& point) {
   LoneNearest found{.nearest = {}, .others = kInf};
   const TriangleMesh& mesh = tree.mesh();

@@ -88,7 +88,7 @@ Vector2d texture_at(const CornerTexture& texture, const SurfacePoint& place) {
 
 TEST(TexturedDecimation, ShowsThePictureWhereItWasAndOpensNoSeam) {
   const Textured torus = textured_torus();
-  // How many triangles may be left: an uneven picture bends long triangles away.
+  // Share of the triangles that may be left: an uneven picture bends long triangles away.
   for (const auto& [tolerance, most] : {std::pair(0.4, 0.8), std::pair(1.6, 0.4)}) {
     const TexturedDecimation result = decimate(torus.mesh, torus.texture, {.tolerance = tolerance});
     const TriangleMesh& mesh = result.decimation.mesh;
@@ -112,8 +112,8 @@ TEST(TexturedDecimation, ShowsThePictureWhereItWasAndOpensNoSeam) {
             std::max(worst, (shown_at(texture_at(texture, place)) - position(mesh, place)).norm());
       }
     }
-    // Displaced along the surface and off it, and a little more between the places that are looked
-    // at.
+    // Displaced along the surface and off it, and a little more between the places that are
+    // examined.
     EXPECT_LT(worst, 1.5 * tolerance);
   }
 }

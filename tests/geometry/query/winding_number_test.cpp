@@ -45,7 +45,7 @@ double sum_of_all_angles(const TriangleMesh& mesh, const Vector3d& point) {
 }
 
 /// Winding number, at height z on the axis, of a cap over a regular polygon of `corners` corners on
-/// a circle of radius `radius` about the origin, at points below the cap: that of what is not
+/// a circle of radius `radius` about the origin, at points below the cap: that of the part not
 /// hidden by the polygon, the base of a regular pyramid of known angle.
 double below_a_cap(double radius, int corners, double z) {
   const double pyramid =

@@ -14,7 +14,7 @@
 namespace palpate::geometry {
 namespace {
 
-// A floor that recedes from 400 to 1600 mm, as often as asked for, with noise and rounding.
+// `count` frames of a floor that recedes from 400 to 1600 mm, with noise and rounding.
 std::vector<ImageF> still_frames(const DepthNoise& noise, int count, double resolution = 0) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;

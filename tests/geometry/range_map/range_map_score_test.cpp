@@ -28,8 +28,8 @@ struct Wall {
     measured(0, 1) = 989.0F;    // more than 1 % off
     measured(1, 1) = kUnknown;  // no depth
     measured(1, 2) = 1009.0F;   // less than 1 % off
-    measured(0, 4) = 900.0F;    // a depth where nothing is
-    lit(0, 3) = false;          // in shadow, and yet with a depth
+    measured(0, 4) = 900.0F;    // a depth where there is no surface
+    lit(0, 3) = false;          // in shadow, but with a depth
   }
 };
 

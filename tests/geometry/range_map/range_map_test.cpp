@@ -173,7 +173,7 @@ TEST(RangeMap, RefusesATruncatedFileWhereverItEnds) {
   }
 }
 
-// The length of an image is changed: libtiff takes what it finds for the tiles that are missing.
+// The length of an image is changed: libtiff uses any bytes as the tiles that are missing.
 TEST(RangeMap, RefusesAFileOfTilesThatAreNotInIt) {
   const ScratchFolder folder;
   write_foreign_tiff(folder / "z.tiff", awkward_image(16, 16), {.tile = 16});

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// The verdict of a registration: what it accepts, and above all what it does not.
+// The verdict of a registration: the poses that it accepts, and especially those that it does not.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -44,7 +44,7 @@ TEST(RegistrationVerdict, SlidesOnAPlateWhichThePointsMeetWithoutBeingMovedAlong
     EXPECT_LT(motion.rotation.head<2>().norm(), 1e-4);
     EXPECT_NE(found.reason.find(motion.description), std::string::npos);
   }
-  // What is not fixed is as uncertain as the plate is large; the rest is known exactly.
+  // Free motions are as uncertain as the plate is large; the rest is known exactly.
   const double diagonal = bounding_diagonal(plate);
   EXPECT_NEAR(std::sqrt(found.covariance(3, 3)), diagonal, 0.01 * diagonal);
   EXPECT_NEAR(std::sqrt(found.covariance(4, 4)), diagonal, 0.01 * diagonal);
@@ -98,7 +98,7 @@ TEST(RegistrationVerdict, IsAmbiguousWhereAnotherPoseFitsAsWell) {
       register_points(points, waves, {.search_rotation = 0.1, .search_translation = 60});
   EXPECT_EQ(found.verdict, ambiguous) << found.reason;
   EXPECT_LT(found.runner_up.value(), 0.1);
-  // Who knows that the start is near gets an answer.
+  // A search near a known start gets an answer.
   const Registration near =
       register_points(points, waves, {.search_rotation = 0.1, .search_translation = 5});
   EXPECT_EQ(near.verdict, accepted) << near.reason;
@@ -120,7 +120,7 @@ TEST(RegistrationVerdict, AcceptsNoWrongPose) {
       Matrix3Xd mirrored = points_on(map, count, seed);
       mirrored.row(0) *= -1;
       EXPECT_NE(register_points(mirrored, target).verdict, accepted) << count << " " << seed;
-      // Turned by more than is searched: found by chance, or not accepted.
+      // Rotated by more than is searched: found by chance, or not accepted.
       const Matrix3Xd truth = points_on(map, count, 100 + seed);
       const Isometry3d off = Eigen::Translation3d(50, -60, 690) *
                              Eigen::AngleAxisd(75 * kDegree, Vector3d(seed, 2, -3).normalized()) *
@@ -271,7 +271,7 @@ TEST(RegistrationVerdict, KnowsWhatWasNotSearchedIfThePointsStartFartherOffThanT
     const bool is_right = (found.T_target_source * off * truth - truth).colwise().norm().mean() < 1;
     EXPECT_TRUE(is_right || found.verdict != accepted) << seed << ": " << found.reason;
     wrong += is_right ? 0 : 1;
-    // Near the start no other pose is, and nothing has to be searched.
+    // Near the start there is no other pose, and nothing has to be searched.
     const Isometry3d near =
         Eigen::Translation3d(1, -2, 1) * Eigen::AngleAxisd(2 * kDegree, axis.normalized());
     EXPECT_EQ(register_points(near * truth, target, {.search_rotation = 0, .search_translation = 0})
@@ -281,7 +281,7 @@ TEST(RegistrationVerdict, KnowsWhatWasNotSearchedIfThePointsStartFartherOffThanT
   EXPECT_GT(wrong, 0);
 }
 
-/// The covariance foretells how the poses of many noisy scans scatter.
+/// The covariance predicts the scatter of the poses of many noisy scans.
 TEST(RegistrationVerdict, ForetellsTheScatterOfThePose) {
   const TriangleMesh surface = bumpy_surface();
   const RegistrationTarget target(surface);

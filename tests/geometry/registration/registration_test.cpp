@@ -91,7 +91,7 @@ Matrix3Xd touching_balls(const TriangleMesh& surface, double radius, int count, 
     const Vector3d place = surface.vertices.col(vertex);
     // Inside the border, which a ball beside the surface would touch.
     if (place.x() < 8 || place.x() > 97 || place.y() < 8 || place.y() > 76) continue;
-    // Along the normal to where the nearest point is as far as the radius.
+    // Along the normal to where the nearest point is at a distance of the radius.
     double low = 0, high = 3 * radius;
     for (int halving = 0; halving < 60; ++halving) {
       const double middle = (low + high) / 2;

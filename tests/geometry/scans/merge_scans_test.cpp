@@ -33,7 +33,7 @@ using Eigen::Vector3d;
 
 constexpr double kRayNoise = 0.1;  // [mm] standard deviation along the ray
 
-/// What a camera at `eye` sees of a mesh about the origin: one ray a pixel, neighbouring hits
+/// View of a mesh about the origin from a camera at `eye`: one ray a pixel, neighbouring hits
 /// connected unless there is a depth step, in a frame of its own.
 Scan look_at(const TriangleMesh& object, const Vector3d& eye, double width, int pixels,
              unsigned seed) {
@@ -87,7 +87,7 @@ Scan look_at(const TriangleMesh& object, const Vector3d& eye, double width, int 
   return scan;
 }
 
-/// How many triangles each undirected edge has.
+/// Number of triangles of each undirected edge.
 std::map<std::pair<int, int>, int> edge_use(const TriangleMesh& mesh) {
   std::map<std::pair<int, int>, int> use;
   for (const auto& t : mesh.triangles.colwise()) {
@@ -276,7 +276,7 @@ TEST(MergeScans, AverageByTheirStandardDeviations) {
     EXPECT_NEAR(merged.mesh.vertices(2, v), mean, 0.1 * mean);
     EXPECT_NEAR(merged.sigma[v], 1 / std::sqrt(1 / 0.01 + 1 / 0.04), 1e-7);  // summed as floats
   }
-  // If one of the scans does not tell, none can be weighted.
+  // If one of the scans has no deviations, none can be weighted.
   const std::vector<Scan> half_known = {scans[0], {.mesh = high}};
   const MergedScans equal = merge_scans(half_known);
   EXPECT_EQ(equal.sigma.size(), 0);
@@ -360,7 +360,7 @@ TEST(MergeScans, RefuseAGridThatDoesNotFitIntoMemory) {
 constexpr double kBall = 18;     // [mm] radius of a ball about the origin
 constexpr double kPixel = 0.63;  // [mm] at its distance
 
-/// What a depth camera 400 mm from the ball sees of it, with normal noise [mm] along the axis.
+/// View of the ball by a depth camera at 400 mm, with normal noise [mm] along the axis.
 Scan look_at_ball(const Vector3d& from, double noise, unsigned seed,
                   const Vector3d& centre = Vector3d::Zero()) {
   constexpr double kDistance = 400;
@@ -433,7 +433,7 @@ TEST(MergeScans, OfAnObjectThatMovedAreInConflict) {
     EXPECT_GT(found[0].share, 0.5);
     EXPECT_NEAR(found[0].depth, 4.5, 1);
   }
-  // Another scene, far in front: only who knows the viewpoint sees that it is in the way.
+  // Another scene, far in front: only with the viewpoint is it known to be in the way.
   const Scan far = look_at_ball(view, 0.3, 2, 60 * view);
   EXPECT_EQ(conflicts(far, true).size(), 1U);
   EXPECT_TRUE(conflicts(far, false).empty());

@@ -37,7 +37,7 @@ double to_cube(const Vector3d& p) {
   return q.max(0).matrix().norm() + std::min(q.maxCoeff(), 0.0);
 }
 
-/// What a scan tells about a place, with its nearest triangle.
+/// Distance of a place from a scan, with its nearest triangle.
 PlaceDistance tell(const ScanDistance& scan, const Vector3d& place) {
   return scan.at(place, {.triangle = SurfaceQuery(scan.mesh()).closest_point(place).at.triangle});
 }

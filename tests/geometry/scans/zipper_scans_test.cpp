@@ -31,7 +31,7 @@ using Eigen::Vector3d;
 
 constexpr double kDepthNoise = 0.1;  // [mm] standard deviation of a depth
 
-/// What a camera there measures of an object.
+/// Scan that a camera there makes of an object.
 Scan scan_from(const TriangleMesh& object, const Eigen::Isometry3d& T_object_camera, int width,
                unsigned seed) {
   RangeMap map =
@@ -72,7 +72,7 @@ Eigen::Matrix3Xd centroids(const TriangleMesh& mesh) {
   return middle;
 }
 
-/// Triangles that look the other way than the surface they are of.
+/// Number of triangles that face the other way than their surface.
 int folded(const TriangleMesh& mesh, const TriangleMesh& truth) {
   const ClosestPoints closest = closest_points(SurfaceQuery(truth), centroids(mesh));
   const Eigen::Matrix3Xd there = triangle_normals(truth);
@@ -84,7 +84,7 @@ int folded(const TriangleMesh& mesh, const TriangleMesh& truth) {
   return count;
 }
 
-/// Which triangles of the truth a scan saw: their middle is not farther from it than noise and
+/// Triangles of the truth that a scan saw: their middle is not farther from it than noise and
 /// chords explain.
 std::vector<int> seen_triangles(const TriangleMesh& truth, const std::vector<Scan>& scans) {
   std::vector<int> found;
@@ -141,7 +141,7 @@ TEST(ZipperScans, OfASheetFromTwoSidesAreTheSheet) {
       test::errors_of(closest_points(SurfaceQuery(sheet), centroids(zippered.mesh)).distances);
   EXPECT_LT(there.rms, zippered.spacing / 20);
   EXPECT_LT(there.largest, zippered.spacing / 3);
-  // No gap is left but at the border, where triangles that straddle a seam may be missing.
+  // No gap is left except at the border, where triangles that straddle a seam may be missing.
   const std::vector<int> inside = away_from_border(sheet, union_of_scans, 0.015);
   ASSERT_GT(inside.size(), 80'000U);
   const test::Errors back = test::errors_of(
@@ -175,7 +175,7 @@ TEST(ZipperScans, OfACapAndOfThreeSidesOfABallHaveOneOutline) {
 
 TEST(ZipperScans, OfFlatSheetsCoverTheirUnionOnce) {
   // A sheet of 40 x 30 and one turned by a quarter of a right angle that reaches out of it: no seam
-  // may fold, so the area is that of the union, but for what is lost at the outline.
+  // may fold, so the area is that of the union, except for the part that is lost at the outline.
   const TriangleMesh first = test::flat_sheet(40, 30, 1);
   const TriangleMesh second =
       test::moved(first, Eigen::Translation3d(22.3, -4.1, 0) *
