@@ -86,7 +86,7 @@ struct Scene {
   geometry::ImageF z;  ///< truth
 };
 
-/// What the camera sees: ray by ray and channel by channel, with nothing of the decoder's code.
+/// The camera's view: ray by ray and channel by channel, with nothing of the decoder's code.
 /// `ambient` and the surface's reflectance are fractions of full scale.
 inline Scene render(const Rig& rig, const Pattern& pattern, const Surface& surface,
                     double ambient = 0.02, double reflectance = 0.8) {

@@ -10,7 +10,7 @@
 
 namespace palpate::sensing {
 
-/// Writes a file into a folder and gives its path.
+/// Writes a file into a folder and returns its path.
 inline std::filesystem::path written(const ScratchFolder& folder, const std::string& name,
                                      const std::string& bytes) {
   write_text(folder / name, bytes);

@@ -132,7 +132,7 @@ TEST(BoardViews, AStillImageIsSeenBesideThePrintedBoard) {
   ASSERT_EQ(view.camera.cols(), 54);
   ASSERT_EQ(view.lit_camera.cols(), 40);
   EXPECT_TRUE(view.projector == projected_corners(panel, shown));
-  // Where the projector's corners truly appear: on the plane of the board, seen by the camera.
+  // The true places of the projector's corners: on the plane of the board, seen by the camera.
   const Eigen::Isometry3d T_board_projector = (rig.T_projector_camera * pose).inverse();
   Eigen::Matrix2Xd truth(2, 40);
   for (Eigen::Index i = 0; i < 40; ++i) {

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What the issue of this calibration asks for: alpha, beta, and gamma in projector pixels.
+/// Accuracy that this calibration needs: alpha, beta, and gamma in projector pixels.
 constexpr double kFactorTolerance = 5e-5;
 constexpr double kPixelTolerance = 0.1;
 
@@ -35,8 +35,8 @@ Rig with_shifts(Rig rig) {
   return rig;
 }
 
-/// Planes of several distances, one of them tilted, with noise, and the depths of those that the
-/// search for a plane is not to be relied on.
+/// Planes at several distances, tilted below 500 mm and beyond 700 mm, with noise, and with their
+/// depths, so that no plane has to be searched.
 std::vector<WhiteImage> views(const Rig& rig, const Pattern& pattern,
                               const std::vector<double>& distances, double noise = 0.005,
                               unsigned seed = 1) {

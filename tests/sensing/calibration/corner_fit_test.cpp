@@ -70,7 +70,7 @@ TEST(CornerFit, LightThatFallsOffDoesNotMoveTheCorner) {
   ASSERT_TRUE(found);
   const double pixel = 1.0 / 12;  // px^2, the variance of a pixel's area
   EXPECT_NEAR(found->blur, std::sqrt(kBlur * kBlur + pixel), 0.01);
-  const double moved = found->blur * found->blur * kRise.norm();  // px, if it were not taken back
+  const double moved = found->blur * found->blur * kRise.norm();  // px, if it were not corrected
   EXPECT_LT((found->place - kPlace).norm(), 0.1 * moved);
 }
 

@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 const Eigen::Matrix3d kMixing =
     (Eigen::Matrix3d() << 1, 0.2, 0.05, 0.1, 1, 0.2, 0, 0.15, 1).finished();
 
-/// What a camera with these filters makes of a BGR image that separates the projector's colours.
+/// Image of a camera with these filters, from a BGR image that separates the projector's colours.
 cv::Mat mixed(const cv::Mat& separate) {
   cv::Mat image = separate.clone();
   for (auto& pixel : cv::Mat_<cv::Vec<ushort, 3>>(image)) {

@@ -16,7 +16,7 @@ struct Seen {
   std::vector<Eigen::Matrix2Xd> board, pixels;
 };
 
-/// What the camera of `rig` sees of boards, with noise of `sigma` [px].
+/// Views of boards by the camera of `rig`, with noise of `sigma` [px].
 Seen seen_boards(const Rig& rig, const std::vector<Eigen::Isometry3d>& poses, double sigma,
                  unsigned seed) {
   Seen result;

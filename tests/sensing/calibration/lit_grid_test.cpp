@@ -52,7 +52,7 @@ std::vector<cv::Mat> photographs() {
   return photos;
 }
 
-/// Mean of what the points miss [px of the panel].
+/// Mean error of the points [px of the panel].
 Eigen::Vector2d mean_miss(const LitGrid& grid) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (Eigen::Index i = 0; i < grid.camera.cols(); ++i)

@@ -101,7 +101,7 @@ TEST(CalibrateRig, ErrorsAndResidualsAreWhatTheNoiseMakesThem) {
 }
 
 TEST(CalibrateRig, LitPointsMayBeNoisyInTheCamera) {
-  // As those of a still image are.
+  // Like those of a still image.
   const Rig truth = make_board_rig();
   std::vector<RigView> views = make_views(truth, board_poses(10), 0.05, 0);
   std::mt19937 random(7);

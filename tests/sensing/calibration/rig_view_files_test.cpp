@@ -51,7 +51,7 @@ TEST(RigViewFiles, FoldersOfImagesBecomeARig) {
   EXPECT_LT(result.projector_rms, 0.15);
   EXPECT_NEAR(result.rig.camera.fx, truth.camera.fx, 0.01 * truth.camera.fx);
   EXPECT_NEAR(result.rig.projector.fx, truth.projector.fx, 0.01 * truth.projector.fx);
-  // What a rig is for: points a metre away, triangulated, would be off by no more than this.
+  // The purpose of a rig: points a metre away, triangulated, would be off by no more than this.
   EXPECT_LT(
       (result.rig.T_projector_camera.translation() - truth.T_projector_camera.translation()).norm(),
       10);

@@ -38,7 +38,7 @@ inline Rig make_board_rig() {
 inline constexpr Board kPrinted{.columns = 9, .rows = 6, .square = 15.5};
 
 /// Poses of the printed board about half a metre away, its middle near the optical axis; `tilt`
-/// [rad] is how far they lean, each another way.
+/// [rad] is their angle, each in another direction.
 inline std::vector<Eigen::Isometry3d> board_poses(int count, double tilt = 0.5) {
   std::vector<Eigen::Isometry3d> poses;
   for (int i = 0; i < count; ++i) {
@@ -57,7 +57,7 @@ inline Eigen::Vector2d seen_by(const geometry::Camera& lens, const Eigen::Vector
   return geometry::distort(lens, point.hnormalized());
 }
 
-/// What camera and projector have of a board, exactly.
+/// Points of a board in the camera and the projector, exactly.
 inline RigView exact_view(const Rig& rig, const Eigen::Isometry3d& T_camera_board,
                           const std::string& name) {
   RigView view{.name = name, .board = board_corners(kPrinted)};
@@ -114,7 +114,7 @@ inline double shine(const cv::Mat& shown, const Eigen::Vector2d& at) {
   return light;
 }
 
-/// What a print reflects at a place of the board [mm].
+/// Reflectance of a print at a place of the board [mm].
 using Print = std::function<double(const Eigen::Vector2d& point)>;
 
 /// `kPrinted` on a white sheet, with edges blurred on both sides by this share of a square.
@@ -143,7 +143,7 @@ inline cv::Mat_<uchar> draw_board(const Board& board, double per_mm) {
   return image;
 }
 
-/// Where a point of the board [mm] from its first inner corner is in that drawing [px].
+/// Place in that drawing [px] of a point of the board [mm] from its first inner corner.
 inline Eigen::Vector2d drawn_at(const Board& board, const Eigen::Vector2d& point, double per_mm) {
   return ((point.array() + 2 * board.square) * per_mm - 0.5).matrix();
 }
@@ -161,7 +161,7 @@ inline Print print_of(const Board& board) {
   };
 }
 
-/// What the camera sees of a printed board, by default `kPrinted`, under each image that the
+/// Photographs of a printed board, by default `kPrinted`, by the camera under each image that the
 /// projector shows: edges blurred over about a pixel, room light, and noise of one grey level. A
 /// pixel has the mean of the print over 3 x 3 places: one place alone would displace its edges.
 inline std::vector<cv::Mat> photograph(const Rig& rig, const Eigen::Isometry3d& T_camera_board,

@@ -13,7 +13,7 @@ namespace {
 
 /// [px] So long that the average along the rows has three stages and reaches 14 px to each side.
 constexpr double kLongPeriod = 30;
-/// [rad] of the sinusoid at row 0, and by how much that of the overexposed surface is ahead.
+/// [rad] of the sinusoid at row 0, and the lead of that of the overexposed surface.
 constexpr double kPhase = 0.4;
 constexpr double kAhead = 1.5;
 /// Columns of the surface that is overexposed.

@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLong{20000};
 
-/// The next frame; fails after long.
+/// The next frame; fails after many tries.
 CameraFrame frame_of(LiveCamera& camera) {
   for (int tries = 0; tries < 100; ++tries) {
     if (auto frame = camera.next(kLong)) return *frame;
@@ -52,7 +52,7 @@ TEST(AravisCamera, SendsFramesOfTheSizeAskedForInTheirOrder) {
   }
 }
 
-/// Its frames begin with number 65300, as a test of those who read them.
+/// Its frames begin with number 65300, to test programs that read them.
 TEST(AravisCamera, CountsOnWhereTheCounterOfTheCameraBeginsAgain) {
   const auto camera = open_camera("aravis:Fake_1", {.size = ImageSize{16, 16}, .rate = 1000});
   camera->start();

@@ -33,7 +33,7 @@ TEST(NumbersByCounter, LongCountersNeverBeginAgain) {
   NumbersByCounter numbers;
   EXPECT_EQ(numbers.next(65535), 0U);
   EXPECT_EQ(numbers.next(65536), 1U);
-  EXPECT_EQ(numbers.next(1), 2U);  // the camera began anew: what is missing is not known
+  EXPECT_EQ(numbers.next(1), 2U);  // the camera restarted: the number of lost frames is unknown
 }
 
 TEST(NumbersByCounter, ACounterThatStandsStillLosesNothing) {

@@ -23,7 +23,7 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kFrameBytes = 100;
 
-/// A camera that sends what a test says, as fast as it is asked; then nothing.
+/// A camera that sends the frames of a test, as fast as it is asked; then nothing.
 class ScriptedCamera : public LiveCamera {
  public:
   explicit ScriptedCamera(std::deque<std::uint64_t> numbers) : numbers_(std::move(numbers)) {
@@ -60,7 +60,7 @@ std::deque<std::uint64_t> first(std::uint64_t count) {
   return numbers;
 }
 
-/// What was written, by index.
+/// The frames that were written, by index.
 struct Written {
   std::mutex mutex;
   std::map<std::size_t, RecordedFrame> frames;
@@ -234,7 +234,7 @@ TEST(Recording, OptionsOutOfRangeAreRefusedByName) {
   EXPECT_FALSE(camera.started);
 }
 
-/// A camera whose frames show what was before it when their exposure began, and wait in a buffer.
+/// A camera whose frames show the scene at the start of their exposure, and wait in a buffer.
 class LateCamera : public LiveCamera {
  public:
   [[nodiscard]] const CameraState& state() const override { return state_; }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What can be tested without a camera: names, messages, the list.
+// Tests that need no camera: names, messages, the list.
 #include "capture/v4l2_camera.h"
 
 #include <gtest/gtest.h>

@@ -68,7 +68,7 @@ TEST(AnchoredRegions, TakeAnchorsOnBothSidesOfAStep) {
   }
 }
 
-/// A tilted card of another material before a wall.
+/// A tilted card of another material in front of a wall.
 Scene card_before_wall(const Rig& rig, const Pattern& pattern, double distance) {
   Scene scene = render(rig, pattern, plane({0, 0, 1}, 720));
   const Scene card = render(rig, pattern, plane({0.1, 0.4, 1}, distance), 0.1, 0.2);
@@ -109,7 +109,7 @@ TEST(AnchoredRegions, KeepASmoothReliefWhole) {
   EXPECT_GE(static_cast<double>(right.count()), 0.95 * static_cast<double>(scene.z.size()));
 }
 
-// What is beside a dark groove may be another surface than the groove.
+// A pixel beside a dark groove may be on another surface than the groove.
 TEST(AnchoredRegions, TakeNoAnchorThatIsFarFromAllOfThem) {
   const Rig rig = make_rig(false);
   Scene scene = render(rig, sinusoid(Axis::y), plane({0, 0, 1}, 720));

@@ -77,7 +77,7 @@ TEST(DecodeFrame, LetsGoOfTheImageThatItsReaderHolds) {
   EXPECT_EQ(frame.source.read, nullptr);
 }
 
-// The way of a sequence, as the header shows it.
+// Decodes a sequence as the example in the header does.
 TEST(DecodeFrame, DecodesASequenceInItsOrder) {
   const Setting setting;
   const std::vector<cv::Mat> images = {setting.frame(600), setting.frame(700), setting.frame(800)};

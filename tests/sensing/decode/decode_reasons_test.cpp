@@ -142,7 +142,7 @@ TEST_F(DecodeReasons, ColoursThatContradictTheDepthAreAMismatch) {
     }
   }
   const ReasonImage reasons = reasons_of(frame_);
-  // Where the part hangs together with what lies around it; the rest knows no stripe edge.
+  // Where the part is connected to its surroundings; the rest has no stripe edge.
   EXPECT_GT(share_in_part(reasons, Reason::color_mismatch), 0.2);
   EXPECT_EQ(share_in_part(reasons, Reason::reconstructed), 0);
   EXPECT_GT(share(reasons, Reason::reconstructed), 0.5);

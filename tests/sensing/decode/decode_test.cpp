@@ -33,7 +33,7 @@ struct Quality {
 /// [mm]
 constexpr float kWrong = 5;
 
-/// \param possible which pixels are lit and visible.
+/// \param possible pixels that are lit and visible.
 Quality assess(const geometry::ImageF& z, const geometry::ImageF& truth, const Mask& possible) {
   std::vector<float> errors;
   long reconstructed = 0;
@@ -128,8 +128,8 @@ TEST(Decoder, KeepsAnObjectApartFromTheWallBehindIt) {
   const Pattern pattern = make_pattern(Axis::y, 20, 1024);
   const Scene scene = render(rig, pattern, nearer(sphere({0, 0, 600}, 70), plane({0, 0, 1}, 720)));
   const DecodeResult result = Decoder(rig, pattern, ideal_colors()).decode(scene.frame);
-  // The sphere's shadow is not rendered, and what it hides from the projector is wrong in the
-  // frame.
+  // The sphere's shadow is not rendered, and the part that it hides from the projector is wrong in
+  // the frame.
   const Quality quality = assess(result.range.z, scene.z, everything(rig));
   EXPECT_LE(quality.median_error, kCleanError);
   EXPECT_LE(quality.wrong, 0.01);
@@ -279,7 +279,7 @@ TEST(Decoder, AnObjectHasTheSameDepthsWhateverElseIsLit) {
       const auto in_one = result.range.z.isFinite() != expected.range.z.isFinite();
       EXPECT_GT(in_both.count(), half ? 2500 : 10000);
       EXPECT_LE(in_one.count(), in_both.count() / 50);
-      // What is estimated from samples of the frame decides how doubtful pixels are corrected.
+      // Estimates from samples of the frame decide how doubtful pixels are corrected.
       const auto change = (result.range.z - expected.range.z) / expected.noise;
       EXPECT_LE(
           std::sqrt(in_both.select(change.square(), 0).sum() / static_cast<float>(in_both.count())),
@@ -305,7 +305,7 @@ TEST(Decoder, NothingOfAnEarlierFrameIsLeftInAResult) {
   EXPECT_TRUE((reused.range.z.isNaN() == fresh.range.z.isNaN()).all());
   EXPECT_EQ(reused.transitions, fresh.transitions);
   EXPECT_EQ(reused.regions, fresh.regions);
-  // Result and decoder exchange their images: those of the first frame come back.
+  // Result and decoder exchange their images: those of the first frame are used again.
   decoder.decode(ball.frame, reused);
   EXPECT_EQ(reused.range.z.data(), memory);
   EXPECT_THROW(decoder.decode(cv::Mat(3, 3, CV_8UC3), reused), InvalidInput);

@@ -18,7 +18,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// All that a decoder gets.
+/// All inputs of a decoder.
 struct Inputs {
   Rig rig = make_rig(false);
   Pattern pattern = make_pattern(Axis::y, 20, 1024);

@@ -69,7 +69,7 @@ Surface plate(double z, const Eigen::Vector2d& half) {
   };
 }
 
-/// The object keeps only the share `green` and `blue` of these channels' light.
+/// The object keeps only the share `rest` of the green and the blue light.
 void redden(cv::Mat& frame, const geometry::ImageF& truth, double rest) {
   for (int v = 0; v < frame.rows; ++v) {
     for (int u = 0; u < frame.cols; ++u) {

@@ -280,7 +280,7 @@ TEST(Multishot, GivesNoDepthWhereThereIsNoLightOrTheCodeContradictsThePhase) {
   EXPECT_EQ(count(result.decoded.reasons, Reason::unlit), shadow.area());
   EXPECT_EQ(count(result.decoded.reasons, Reason::ambiguous_offset), misread.area());
   EXPECT_LT(compare(result, seen.z).largest, 1e-5);
-  for (const double level : {0.0, 0.5, 1.0}) {  // the projector is off, or all is clipped
+  for (const double level : {0.0, 0.5, 1.0}) {  // the projector is off, or everything is clipped
     for (cv::Mat& image : seen.images) image.setTo(level * 65535);
     EXPECT_TRUE(MultishotDecoder(rig, pattern).decode(seen.images).decoded.range.z.isNaN().all());
   }
@@ -302,7 +302,7 @@ TEST(Multishot, RefusesImagesThatDoNotFit) {
   EXPECT_THROW(MultishotDecoder(rig, pattern, {.exposures = 0}), InvalidInput);
 }
 
-/// What a pixel reads at a place: full contrast, but for the bits at whose edge it is.
+/// Reading of a pixel at a place: full contrast, except for the bits at whose edge it is.
 CodeReading reading_at(const Multishot& multishot, double pixel, double blur) {
   CodeReading reading;
   for (int bit = multishot.code_bits - 1; bit >= 0; --bit) {

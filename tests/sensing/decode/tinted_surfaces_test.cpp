@@ -36,7 +36,7 @@ Rig close_rig() {
   return rig;
 }
 
-/// Paints what is nearer than `behind`; noise as of an 8-bit camera.
+/// Paints surfaces nearer than `behind`; adds noise as of an 8-bit camera.
 Scene painted(const Rig& rig, const Pattern& pattern, const Surface& surface, double behind,
               const Eigen::Vector3d& rgb) {
   Scene scene = render(rig, pattern, surface, 0.0);
@@ -90,7 +90,7 @@ Figures measure(const Rig& rig, const Pattern& pattern, const Scene& scene, doub
   return figures;
 }
 
-/// \param painted_to, measured_to [mm] what is nearer is painted, and measured.
+/// \param painted_to, measured_to [mm] nearer surfaces are painted, and measured.
 void expect_measured(const Surface& surface, double painted_to, double measured_to,
                      double coverage) {
   const Rig rig = close_rig();

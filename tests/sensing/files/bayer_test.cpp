@@ -22,7 +22,7 @@ const std::map<std::string, BayerPattern> kPatterns = {{"rggb", BayerPattern::rg
                                                        {"grbg", BayerPattern::grbg},
                                                        {"gbrg", BayerPattern::gbrg}};
 
-/// What a camera with the filters `name` (of a row of two, then the next) sees of a BGR image.
+/// Mosaic of a BGR image by a camera with the filters `name` (of a row of two, then the next).
 template <typename Sample>
 cv::Mat mosaic_of(const cv::Mat& bgr, const std::string& name) {
   cv::Mat mosaic(bgr.rows, bgr.cols, CV_MAKETYPE(bgr.depth(), 1));
@@ -84,7 +84,7 @@ TEST(Bayer, LeavesThePhaseOfASinusoidWhereItWas) {
   for (const auto& [name, pattern] : kPatterns) {
     const cv::Mat again = demosaic(mosaic_of<ushort>(image, name), pattern);
     for (const int channel : {0, 1, 2}) {
-      // Rounding of the samples is all that is left: 1 of 20000, over many pixels.
+      // Only rounding of the samples is left: 1 of 20000, over many pixels.
       EXPECT_NEAR(phase(again, channel, kPeriod), kPhase, 1e-4) << name << " " << channel;
     }
   }

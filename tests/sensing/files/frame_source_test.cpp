@@ -15,7 +15,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// An image that tells its number.
+/// An image that shows its number.
 cv::Mat numbered_image(int number) {
   cv::Mat image(48, 64, CV_8UC3);
   cv::setRNGSeed(number);
@@ -123,7 +123,7 @@ TEST(FrameSource, AVideoThatBreaksOffSaysWhere) {
   const auto whole = write_video(folder, "whole.avi", "HFYU", 10);
   const std::string bytes = read_text(whole);
   const auto cut = written(folder, "cut.avi", bytes.substr(0, bytes.size() / 2));
-  ::testing::internal::CaptureStderr();  // FFmpeg grumbles
+  ::testing::internal::CaptureStderr();  // FFmpeg prints warnings
   const auto frames = all_of(FrameSource({cut, whole}));
   (void)::testing::internal::GetCapturedStderr();
   ASSERT_GT(frames.size(), 12u);

@@ -39,7 +39,7 @@ TEST(Frame, ReadsBmpAndWebpWithoutLossesAndJpegWithItsLosses) {
       smooth.at<cv::Vec3b>(v, u) =
           cv::Vec3b(static_cast<uchar>(4 * u), static_cast<uchar>(5 * v), 90);
   }
-  for (const char* name : {"frame.bmp", "frame.webp"}) {  // above 100 OpenCV writes without losses
+  for (const char* name : {"frame.bmp", "frame.webp"}) {  // above 100 OpenCV writes lossless files
     cv::imwrite((folder / name).string(), smooth, {cv::IMWRITE_WEBP_QUALITY, 101});
     EXPECT_EQ(cv::norm(read_frame(folder / name), smooth, cv::NORM_INF), 0) << name;
     EXPECT_FALSE(has_losses(folder / name)) << name;

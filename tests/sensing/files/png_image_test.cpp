@@ -23,7 +23,7 @@ std::string encoded(const cv::Mat& image, const std::vector<int>& settings = {})
   return {bytes.begin(), bytes.end()};
 }
 
-/// Smooth with noise, so that filters pay and differ.
+/// Smooth with noise, so that filters are useful and differ.
 cv::Mat scene(int type, int width = 61) {
   cv::Mat image(47, width, type);
   const double most = image.depth() == CV_8U ? 255 : 65535;
@@ -181,7 +181,7 @@ TEST(PngImage, RefusesWhatUnpacksToHundredsOfMegabytesBeforeItTakesThem) {
 
 TEST(PngImage, DoesNotUnpackTextsAndProfiles) {
   using namespace std::string_literals;
-  // A text of 1 MB that is damaged inside: nobody looks.
+  // A text of 1 MB that is damaged inside: it is not read.
   const std::string chunks = chunk("zTXt", "note\0\0"s + std::string(1'000'000, '\1'));
   const cv::Mat image = decode_png(file_of(1, 1, "\0\7"s, Kind::grey, false, chunks));
   EXPECT_EQ(image.at<uchar>(0, 0), 7);

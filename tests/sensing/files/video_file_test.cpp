@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kFrames = 5;
 
-/// Noise that tells the number of the frame.
+/// Noise that shows the number of the frame.
 cv::Mat numbered_frame(int number) {
   cv::Mat frame(48, 64, CV_8UC3);
   cv::RNG random(static_cast<std::uint64_t>(number) + 1);

@@ -25,7 +25,7 @@ TEST(GaussianBlur, DampsASinusoidAsTheoryHasIt) {
       std::exp(-kSigma * kSigma * w * w * (1 / (kAcross * kAcross) + 1 / (kDown * kDown)) / 2);
   for (int row = 10; row < 50; ++row) {
     for (int column = 10; column < 60; ++column) {
-      // What is cut off of the bell, and the sampling of it, are below 1e-4.
+      // The effects of the bell's cut-off and of its sampling are below 1e-4.
       EXPECT_NEAR(blurred.at<float>(row, column), damping * wave(row, column), 1e-4);
     }
   }

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// A camera whose filters bend the hues: what is projected at h is seen at bent(h).
+/// A camera whose filters bend the hues: a hue projected as h is seen as bent(h).
 double bent(double hue) { return hue + 0.25 * std::sin(2 * hue + 0.3); }
 
 TrainedColors seen_colors(int count, double (*response)(double), double deviation) {
@@ -94,7 +94,7 @@ TEST(PatternColors, AreSpreadEvenlyForABentResponse) {
       // Whole degrees, of which the response makes at most 1.5.
       EXPECT_NEAR(std::abs(wrap(next.mean - spread.expected[i].mean)), 2 * std::numbers::pi / count,
                   1.6 * kDegree);
-      // What is expected is what this camera would see, up to the linear interpolation.
+      // The expected hues are those that this camera would see, up to the linear interpolation.
       const Eigen::Vector3f rgb = spread.colors[i].rgb.cast<float>();
       const auto hue = static_cast<double>(hue_of(rgb[0], rgb[1], rgb[2]).angle);
       EXPECT_NEAR(wrap(spread.expected[i].mean - bent(hue)), 0, 0.01);

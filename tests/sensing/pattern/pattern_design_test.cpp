@@ -59,7 +59,7 @@ TEST(PatternDesign, KeepsThePeriodAboveTheCamerasLimitOverTheWholeRange) {
       double shortest = std::numeric_limits<double>::infinity();
       for (const double z : {500.0, 700.0, 1200.0})
         shortest = std::min(shortest, shortest_period(rig, design.pattern, z));
-      EXPECT_GE(shortest, least * (verging ? 0.99 : 1));  // it looks at places some way apart
+      EXPECT_GE(shortest, least * (verging ? 0.99 : 1));  // it samples places some way apart
       EXPECT_EQ(design.pattern.period, std::round(design.pattern.period));
       // One pixel less would be too short.
       EXPECT_LT(shortest * (design.pattern.period - 1) / design.pattern.period,

@@ -189,8 +189,8 @@ TEST(PatternImage, RectifyingAParallelProjectorChangesNothing) {
   EXPECT_NEAR(drawn.projector.cy, rig.projector.cy, 1e-9);
 }
 
-// A compensated channel must reach each direction with green's phase: the lag that the decoder's
-// model predicts for the plain drawing is what the compensated one takes away.
+// A compensated channel must reach each direction with green's phase: the compensation removes the
+// lag that the decoder's model predicts for the plain drawing.
 TEST(PatternImage, CompensationTakesAwayTheLagThatTheDecoderModels) {
   for (const Axis axis : {Axis::y, Axis::x}) {
     const Rig rig = small_distorted_rig();

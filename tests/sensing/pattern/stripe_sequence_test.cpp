@@ -75,7 +75,7 @@ TEST(StripeSequence, UsesThePairsThatAreEasiestToTellApart) {
 }
 
 TEST(StripeSequence, ReachesEveryColourWhereTwoTransitionsAColourAreAllowed) {
-  // One colour that is like all others: only the need to reach it brings it in.
+  // One colour that is like all others: it occurs only because it must be reached.
   Eigen::MatrixXd separation = Eigen::MatrixXd::Constant(5, 5, 3.0);
   separation.row(4).setConstant(0.1);
   separation.col(4).setConstant(0.1);

@@ -47,7 +47,7 @@ TEST(Chromatic, ResamplingBringsARescaledChannelBack) {
   const double alpha = 1.02;
   const double carrier = 0.86;
   const double phase = 0.3;
-  // Green shows cos(carrier v + phase); the channel shows at c + (v - c) / alpha what green shows
+  // Green shows cos(carrier v + phase); the channel shows at c + (v - c) / alpha the same as green
   // at v.
   Demodulated channel{Plane(80, 30), Plane(80, 30), Plane::Zero(80, 30)};
   for (long row = 0; row < 80; ++row) {

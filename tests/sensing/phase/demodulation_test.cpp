@@ -148,7 +148,7 @@ TEST(Demodulation, AveragesAcrossTheSinusoidInProportionToThePeriod) {
     const double carrier = 2 * std::numbers::pi / period;
     const DemodulationFilter filter = make_filter(carrier);
     EXPECT_EQ(filter.width(), width) << period;
-    // One column alone shows the sinusoid: what comes out along the row are the weights.
+    // One column alone shows the sinusoid: the output along the row is the weights.
     Plane image = Plane::Constant(200, 2 * kMiddle + 1, 0.5F);
     for (long row = 0; row < image.rows(); ++row)
       image(row, kMiddle) += static_cast<float>(0.4 * std::cos(carrier * static_cast<double>(row)));

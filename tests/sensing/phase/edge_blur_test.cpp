@@ -61,7 +61,7 @@ TEST(EdgeBlur, PredictsHowMuchABlurredEdgeMovesThePhase) {
     }
   }
   // From the third pixel on there are phases; half a window farther, the edge hardly counts. The
-  // prediction leaves out what the second pixel lacks, 7 %.
+  // prediction leaves out the part that the second pixel lacks, 7 %.
   for (long row = kDarkRows + 2; row < kDarkRows + 6; ++row) {
     const double error = std::sqrt(squares[static_cast<std::size_t>(row)]);
     const auto predicted = static_cast<double>(sigma(row, kEdgeColumns / 2));

@@ -34,7 +34,7 @@ double fourier_ratio(const std::function<double(double)>& f, int k) {
 
 struct Look {
   double noise = 0.003;
-  double bend = 0;     ///< how much the frequency changes over the image, relative
+  double bend = 0;     ///< relative change of the frequency over the image
   double texture = 0;  ///< RMS of the reflectance, in blotches of a few px
 };
 
@@ -108,8 +108,8 @@ TEST(Harmonics, LinearizingTakesThemAway) {
   EXPECT_NEAR(check.third.value().ratio, 0, 0.005);
 }
 
-/// A sinusoid of any period through `curve`, and what a colour mosaic leaves of it: a part of the
-/// sinusoid that changes its sign from row to row.
+/// A sinusoid of any period through `curve`, and the part of it that a colour mosaic leaves: a part
+/// of the sinusoid that changes its sign from row to row.
 cv::Mat mosaic_picture(double period, double left, const std::function<double(double)>& curve) {
   cv::Mat image(240, 200, CV_16U);
   for (int y = 0; y < image.rows; ++y) {
@@ -175,7 +175,7 @@ TEST(Harmonics, PredictTheWaveOfADemodulator) {
         sum += weight * value(x + k) *
                std::polar(1.0, -2 * std::numbers::pi * (x + k) / kMedianPeriod);
       }
-      // What the window makes of the fundamental alone, and of the mean, which the check leaves
+      // Effect of the window on the fundamental alone, and on the mean, which the check leaves
       // out.
       std::complex<double> pure = 0;
       std::complex<double> level = 0;

@@ -18,7 +18,7 @@ constexpr long kSlopeColumns = 7;
 constexpr double kMean = 0.5;
 constexpr double kAmplitude = 0.3;
 
-/// What the light does down the image.
+/// Change of the light down the image.
 enum class Shading { none, added, multiplied };
 /// [1/px] Slope of the light relative to its mean; it is even over all rows, and never dark.
 constexpr double kShading = 0.01;
@@ -84,13 +84,13 @@ TEST(LocalFrequency, LightAddedEvenlyLeavesNoRipple) {
 }
 
 TEST(LocalFrequency, EvenShadingOfASurfaceLeavesNoRipple) {
-  // What remains comes from the amplitude, whose slope mixes in the mirror image.
+  // The remaining error comes from the amplitude, whose slope mixes in the mirror image.
   EXPECT_LT(phase_error(demodulated(kCarrier, kCarrier, Shading::multiplied), kCarrier, kCarrier),
             1e-3);
 }
 
 TEST(LocalFrequency, ShadingIsAveragedAsTheSinusoidIs) {
-  // One column has another slope: what is subtracted from its neighbours follows the binomial
+  // One column has another slope: the amount subtracted from its neighbours follows the binomial
   // weights, as their phasors do.
   Plane image(kSlopeRows, kSlopeColumns);
   for (long row = 0; row < kSlopeRows; ++row) {

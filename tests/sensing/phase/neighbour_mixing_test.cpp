@@ -175,7 +175,7 @@ TEST(UnmixedWindow, WhereTheLightFadesASlopeIsNotMovedTowardsTheLight) {
 TEST(UnmixedWindow, NoiseIsNoBend) {
   constexpr double kBend = 0.0005;
   const auto bent = [](double row) { return kPhase + kBend / 2 * row * row; };
-  constexpr float kNoisy = 0.2F;  // rad: what the bend does over the reach is an eighth of it
+  constexpr float kNoisy = 0.2F;  // rad: the effect of the bend over the reach is an eighth of it
   const WindowedColumns columns(even, bent, kNoisy);
   const double change = columns.error(columns.wrapped) - columns.error(columns.before);
   EXPECT_LT(std::abs(change), 0.01 * kVariance * kBend / 2);
@@ -183,7 +183,7 @@ TEST(UnmixedWindow, NoiseIsNoBend) {
 }
 
 TEST(UnmixedWindow, AStepBetweenSurfacesIsNoBend) {
-  // The step lies beyond what the middle row sees, and before the row that it is compared with.
+  // The step lies beyond the rows that the middle row sees, before the row it is compared with.
   constexpr long kMiddle = WindowedColumns::kRows / 2;
   const WindowedColumns columns(even,
                                 [](double row) { return kPhase + (row > kMiddle + 11 ? 3.0 : 0); });

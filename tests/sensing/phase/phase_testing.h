@@ -8,7 +8,7 @@
 #include "phase/phase_noise.h"
 #include "phase/wrapped_phase.h"
 
-/// What tests of the phase share.
+/// Helpers that tests of the phase share.
 namespace palpate::sensing {
 
 /// [px] of waves along the rows, and their frequency [rad/px] and phase at row 0.

@@ -25,10 +25,10 @@ struct Seen {
   double phase = 0;  ///< [rad]
 };
 
-/// What a channel shows of the light at a column; all of it by default.
+/// Share of the light at a column that a channel shows; all of it by default.
 using Shares = std::vector<std::function<double(double)>>;
 
-/// The doubt about what is seen; the phase is known everywhere.
+/// The doubt about a surface; the phase is known everywhere.
 SurfaceDoubt doubt_about(const std::function<Seen(double, double)>& surface,
                          const Shares& shares = {[](double) { return 1.0; }}) {
   std::vector<Plane> images(shares.size(), Plane(kDoubtRows, kDoubtColumns));

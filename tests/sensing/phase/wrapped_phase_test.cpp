@@ -139,7 +139,7 @@ TEST(PhaseVariance, IsWhatItsDefinitionSaysOnAnyPhaseAndMask) {
         Plane::NullaryExpr(rows, columns, [&](long, long) { return phase(random); });
     const Mask mask = Mask::NullaryExpr(
         rows, columns, [&](long, long) { return static_cast<std::uint8_t>(inside(random)); });
-    phase_variance(wrapped, mask, variance);  // into what held another size
+    phase_variance(wrapped, mask, variance);  // into an image that had another size
     const Plane expected = slow_variance(wrapped, mask);
     for (long i = 0; i < expected.size(); ++i) {
       if (std::isinf(expected.data()[i])) {

@@ -33,7 +33,7 @@ std::vector<PhaseGuess> operator+(std::vector<PhaseGuess> a, const std::vector<P
   return a;
 }
 
-/// The guesses come from so many stripe edges in turn.
+/// The guesses come from `edges` stripe edges in turn.
 std::vector<RegionOffset> offsets_of(const Regions& regions, std::vector<PhaseGuess> guesses,
                                      int edges = 2) {
   for (std::size_t i = 0; i < guesses.size(); ++i) guesses[i].edge = static_cast<int>(i) % edges;

@@ -15,7 +15,7 @@ constexpr long kSize = 120;
 constexpr int kRounds = 5000;
 const Eigen::Vector2d kCenter(60, 60);
 
-/// Roughness 2 where the walls are.
+/// Roughness, 2 at the walls.
 Plane walls(const std::function<bool(double x, double y)>& rough) {
   Plane result(kSize, kSize);
   for (long row = 0; row < kSize; ++row) {

@@ -22,7 +22,7 @@ SurfaceDoubt doubt_at_seam(long first_sure, long sure_rows, float seam) {
   return doubt;
 }
 
-/// Whether both sides of the seam are in one region.
+/// Returns true if both sides of the seam are in one region.
 bool is_one(const SurfaceDoubt& doubt, bool transposed = false) {
   Plane variance = Plane::Zero(kPieceRows, kPieceColumns);
   SurfaceDoubt seen = doubt;
@@ -42,8 +42,8 @@ bool is_one(const SurfaceDoubt& doubt, bool transposed = false) {
                     : regions.label(row, left) == regions.label(row, right);
 }
 
-// Along a step, the fraction of a turn between the phases of its sides changes. Where it is close
-// to zero, there is no doubt.
+// Along a step, the fraction of a turn between the phases of its sides changes. If it is close to
+// zero, there is no doubt.
 TEST(SurfacePieces, AreNotJoinedByTheNeckWhereTheirPhasesAgree) {
   for (const double agreeing : {30.0, 52.0}) {
     SurfaceDoubt doubt = doubt_at_seam(0, 0, 0);

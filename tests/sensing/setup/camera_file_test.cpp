@@ -26,7 +26,7 @@ Camera camera_of(const std::string& text, CameraFileFormat format) {
   return read.camera;
 }
 
-/// What is said of a file that is refused; it names the file.
+/// The message about a file that is refused; it names the file.
 std::string refusal_of(const std::string& text) {
   const ScratchFolder folder;
   const auto path = written(folder, "camera.txt", text);

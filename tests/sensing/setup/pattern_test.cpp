@@ -98,7 +98,7 @@ TEST(Pattern, SurvivesAFileExactly) {
   pattern.stripe_edges.clear();
   write_pattern(folder / "p.yaml", pattern);
   EXPECT_TRUE(same(read_pattern(folder / "p.yaml"), pattern));
-  pattern.colors = {{"G", {0, 1, 0}}};  // what a colour is trained with
+  pattern.colors = {{"G", {0, 1, 0}}};  // the pattern with which a colour is trained
   pattern.stripes = {0};
   write_pattern(folder / "p.yaml", pattern);
   EXPECT_TRUE(same(read_pattern(folder / "p.yaml"), pattern));

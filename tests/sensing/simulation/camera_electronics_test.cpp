@@ -112,7 +112,7 @@ TEST(CameraElectronics, ExposesByPercentileOrDistance) {
   PixelMask lit = PixelMask::Constant(1, 101, true);
   for (int i = 0; i <= 100; ++i) light.at<cv::Vec3f>(0, i)[i % 3] = static_cast<float>(100 - i);
   EXPECT_NEAR(choose_exposure(light, lit, sensor), 0.5 / 90, 1e-9);
-  lit.leftCols(50).setConstant(false);  // what is brighter than 50 does not count
+  lit.leftCols(50).setConstant(false);  // pixels brighter than 50 do not count
   EXPECT_NEAR(choose_exposure(light, lit, sensor), 0.5 / 45, 1e-9);
   lit.setConstant(false);
   EXPECT_EQ(choose_exposure(light, lit, sensor), 1);

@@ -52,7 +52,7 @@ TEST(RigAssessment, CountsWhatBecomesOfPixels) {
   EXPECT_EQ(found.facing, 3);
   EXPECT_EQ(found.facing_covered, 2);
   EXPECT_EQ(found.score.measured, 4);
-  EXPECT_EQ(found.score.wrong, 2);  // 4 % off; a depth where nothing is
+  EXPECT_EQ(found.score.wrong, 2);  // 4 % off; a depth where there is no surface
   EXPECT_EQ(found.stray, 1);
   EXPECT_EQ(found.reasons[static_cast<std::size_t>(Reason::border)], 1);
   EXPECT_EQ(found.reasons[static_cast<std::size_t>(Reason::unlit)], 0);  // it is not lit
@@ -121,7 +121,7 @@ TEST(RigAssessment, FindsThatAGoodRigMeasuresAPlane) {
   EXPECT_LT(found.score.relative_error.median, 0.001);
   EXPECT_EQ(found.score.wrong, 0);
 
-  // Without stripes the anchor tells the period.
+  // Without stripes the anchor determines the period.
   pattern.colors.clear();
   pattern.stripes.clear();
   pattern.stripe_edges.clear();
@@ -147,10 +147,10 @@ TEST(RigAssessment, SaysWhyNothingCanBeMeasured) {
   const Rig rig = make_rig(false);
   const Pattern pattern = make_pattern(Axis::y, 20, 1024);
   const cv::Mat panel = draw(pattern, rig);
-  // Nearer than where the two views meet.
+  // Nearer than the range in which the two views overlap.
   EXPECT_NE(try_rig(rig, pattern, panel, plane_at(60), {}).failure.find("no light"),
             std::string::npos);
-  // What is red gives no green back.
+  // A red surface reflects no green.
   std::vector<Body> red = plane_at(700);
   red[0].reflectance = {0.8, 0, 0};
   const RigTrial trial = try_rig(rig, pattern, panel, red, {});

@@ -19,11 +19,11 @@
 namespace palpate::sensing {
 namespace {
 
-/// px; blocks over which the phase is measured: some three periods. Each renderer has its own ideas
-/// of what lies beyond the border of the image.
+/// px; blocks over which the phase is measured: some three periods. The renderers differ in the
+/// light beyond the border of the image.
 constexpr int kBlock = 24, kMargin = 8;
 
-/// What the path tracer and the virtual sensor make of the same scene, and its true range map.
+/// Frames of the path tracer and the virtual sensor of the same scene, and its true range map.
 struct Pair {
   cv::Mat rendered, simulated;
   geometry::ImageF z;
@@ -76,7 +76,7 @@ std::complex<double> response(const cv::Mat& frame, const Pair& pair, int top, i
   return sum;
 }
 
-/// Whether a block is lit, smooth and not saturated.
+/// Returns true if a block is lit, smooth and not saturated.
 bool fit(const Pair& pair, int top, int left) {
   for (int v = top; v < top + kBlock; ++v) {
     for (int u = left; u < left + kBlock; ++u) {
@@ -131,7 +131,7 @@ TEST(VirtualSensorPeer, AgreesWithAPathTracerOnTheShadows) {
       lit += rendered_lit;
     }
   }
-  // The mesh knows of the duck only what the camera sees, and cuts it at its outline.
+  // The mesh has only the part of the duck that the camera sees, and is cut at its outline.
   EXPECT_LT(static_cast<double>(differ), 0.005 * static_cast<double>(lit));
 }
 
