@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// What `require` says of a value, "" if it lets it pass.
+/// The message of `require` for a value, "" if it accepts it.
 template <typename Value>
 std::string message(Value value, const Interval& range, const char* unit = "") {
   try {

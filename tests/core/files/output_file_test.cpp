@@ -36,7 +36,7 @@ constexpr const char* kMark = ".palpate-tmp-";
 constexpr std::size_t kRoom = 10000;  // bytes on the disk that is full
 const std::string kBig(10 * kRoom, 'x');
 
-/// While it lives, the system calls below tell it what they do in `folder`.
+/// While it lives, the system calls below report to it their actions in `folder`.
 class WatchedCalls {
  public:
   explicit WatchedCalls(fs::path folder) : folder_(std::move(folder)) { current = this; }

@@ -17,7 +17,7 @@ TEST(WorkSteps, TellsWhatIsDoneAndAllOfItOnlyAtTheEnd) {
   WorkSteps steps(progress, 5);
   steps.tell();
   steps.tell(0);
-  steps.tell(7);  // more than there were to be
+  steps.tell(7);  // more than the total
   steps.end();
   EXPECT_EQ(seen, (std::vector<std::pair<int, int>>{{1, 5}, {1, 5}, {4, 5}, {5, 5}}));
 }
