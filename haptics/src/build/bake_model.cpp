@@ -12,7 +12,7 @@ probing::ContactPlan plan_bake(const probing::Specimen& specimen, probing::PlanO
 }
 
 BuildOptions exact_samples(double max_force) {
-  // What the samples of a computed specimen leave open: far less than the noise of an arm.
+  // Errors that remain in the samples of a computed specimen: far less than the noise of an arm.
   constexpr double kDisplacement = 0.005;  // [mm]
   constexpr double kForce = 1.0 / 1500;    // of the largest one
   BuildOptions options;

@@ -57,7 +57,7 @@ std::vector<std::size_t> probed_contacts(const probing::CheckedAcquisition& acqu
   return source;
 }
 
-// Whether the samples of a contact determine its friction cone.
+// Returns true if the samples of a contact determine its friction cone.
 bool is_measured(const FrictionFit& cone, const probing::Contact& contact) {
   return (cone.stop == FrictionStop::converged || cone.stop == FrictionStop::frictionless) &&
          std::isfinite(cone.coefficient_error) && cone.axis.dot(contact.normal) < 0;
@@ -99,7 +99,7 @@ void choose_frames(Model& model) {
 }
 
 // The lower quartile, over the contacts, of the largest force or displacement along the z axis:
-// what most contacts were measured to.
+// most contacts were measured up to it.
 double reference(const std::vector<ForceSamples>& samples,
                  Eigen::Matrix3Xd ForceSamples::*vectors) {
   std::vector<double> largest;
@@ -136,7 +136,7 @@ Pairs pairs_of(const Probed& probed, const BuildOptions& options) {
   return pairs;
 }
 
-// [N] What forces that were repeated show of their noise; 0: nothing.
+// [N] Noise of forces, estimated from those that were repeated; 0: they show none.
 double repeated_noise(const Probed& probed, const FitOptions& fit) {
   std::vector<RepeatedForce> groups;
   for (std::size_t i = 0; i < probed.size(); ++i) {
@@ -175,7 +175,7 @@ NoisyOptions with_noise(const Probed& probed, const Pairs& pairs, const BuildOpt
   return with;
 }
 
-// What the model states.
+// The noise that the model states.
 MeasurementNoise stated_noise(const Pairs& pairs, const FitOptions& fit) {
   if (!pairs.pressing)
     return {.force = fit.noise.force,

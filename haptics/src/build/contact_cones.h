@@ -18,10 +18,10 @@ struct ContactCones {
   std::optional<FrictionLoadEstimate> load = std::nullopt;
 };
 
-/// Fits the friction cones of contacts of an acquisition, and how friction depends on the load.
-/// Where no directions were searched, the cones of the other contacts are the prior. If the radius
-/// of the ball that touched is known and trials have a steady error, standard errors and lower
-/// bounds hold for the friction of the material as well: a ball in a dent slips at larger forces.
+/// Fits the friction cones of contacts of an acquisition, and how friction depends on the load. If
+/// no directions were searched, the cones of the other contacts are the prior. If the radius of the
+/// ball that touched is known and trials have a steady error, standard errors and lower bounds hold
+/// for the friction of the material as well: a ball in a dent slips at larger forces.
 /// \param source their indices in the acquisition.
 [[nodiscard]] ContactCones fit_contact_cones(const probing::CheckedAcquisition& acquisition,
                                              std::span<const std::size_t> source,

@@ -42,11 +42,11 @@ FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& l
   return fit;
 }
 
-// Between its samples a field errs more than at them. Where samples are few, the estimate of how
-// much more is limited.
+// Between its samples a field errs more than at them. If samples are few, the estimate of this
+// growth is limited.
 constexpr double kMostGrowth = 4;
 
-// Errors of a fitted field: what noise makes of its parameters, and what noise does not explain.
+// Errors of a fitted field: the effect of noise on its parameters, and what noise does not explain.
 ContactUncertainty uncertainty_of(const FitResult& fit, double parameters, double pairs,
                                   const MeasurementNoise& noise) {
   const double share = std::min(1.0, parameters / (3 * pairs)) *

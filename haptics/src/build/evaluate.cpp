@@ -147,7 +147,7 @@ struct StatedSums {
 
   void add(double error, double deviation) {
     stated += deviation * deviation;
-    // Where no error is stated, none must be.
+    // If no error is stated, the actual one must be zero.
     relative += error > 0 ? error * error / (deviation * deviation) : 0;
     ++count;
   }

@@ -27,7 +27,7 @@ namespace {
 // displaced: it decides across, and changes what was measured by a thousandth.
 constexpr double kPriorShare = 1e-3;
 
-// Reach of dents in distances of a contact to the nearest one: beyond, the neighbours tell how the
+// Reach of dents in distances of a contact to the nearest one: beyond, the neighbours show how the
 // surface moves.
 constexpr double kDentReach = 2;
 // Of the mean diagonal of the equations of a dent: places of which no vertex is near are taken from
@@ -153,7 +153,7 @@ DentVector dent_of(const Sums& sums) {
   return (sums.dent_matrix + scale * bends).ldlt().solve(sums.dent_vector);
 }
 
-// What each node moves beside the dent.
+// The response of each node beside the dent.
 Eigen::Matrix<Eigen::half, Eigen::Dynamic, 1> responses_of(const Sums& sums,
                                                            const Eigen::VectorXd& dents_at_nodes) {
   const double total = sums.squares.trace(), prior = kPriorShare * total;

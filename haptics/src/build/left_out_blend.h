@@ -11,9 +11,9 @@
 
 namespace palpate::haptics {
 
-/// What predicts the contacts of a model from those around them as the model would without them, in
-/// a time that does not depend on the number of contacts: without another triangulation, and with
-/// the covariance that all contacts together show.
+/// Predicts each contact of a model from those around it as the model would without it, in a time
+/// that does not depend on the number of contacts: without another triangulation, and with the
+/// covariance of all contacts together.
 class LeftOutBlends {
  public:
   /// \param model must outlive this.
@@ -30,7 +30,7 @@ class LeftOutBlends {
   }
 
  private:
-  // What counts of a corner, with the trend that it has without the contact.
+  // Returns the model of a corner, with the trend that it has without the contact.
   [[nodiscard]] ContactModel corner_without(int corner, std::size_t contact) const;
 
   const Model& model_;

@@ -70,8 +70,8 @@ void register_contacts(const Eigen::Matrix3Xd& points, const geometry::TriangleM
 
 enum class Facing { outwards, inwards, unclear };
 
-// How each contact's normal agrees with the surface. What the probe covers counts as well as the
-// triangle, which may face anywhere, for example where a scan is folded.
+// Returns how each contact's normal agrees with the surface. The area that the probe covers counts
+// as well as the triangle, which may face anywhere, for example where a scan is folded.
 std::vector<Facing> facings(const std::vector<ClosestPoint>& places,
                             const std::vector<probing::Contact>& contacts,
                             const BuildResult& result) {
@@ -188,7 +188,7 @@ PlacedContacts place_contacts(const std::vector<probing::Contact>& contacts,
   for (const probing::Contact& contact : contacts) {
     const Eigen::Vector3d measured = result.model.T_surface_acquisition * contact.position;
     ClosestPoint& place = places.emplace_back(query.closest_point(measured));
-    // What is checked is what is stored.
+    // Check the values as they are stored.
     place.position = rounded_position(place.position, size);
     place.distance = (place.position - measured).norm();
   }

@@ -23,7 +23,7 @@ struct PressedPath {
 
 /// \param displacements [mm] of the samples from the true surface, in any frame. \param direction
 /// unit vector into the object, in that frame.
-/// \throws InvalidInput if times do not tell the samples apart, naming the contact.
+/// \throws InvalidInput if times do not distinguish the samples, naming the contact.
 [[nodiscard]] PressedPath pressed_path(long long contact, std::span<const probing::Sample> samples,
                                        const Eigen::Matrix3Xd& displacements,
                                        const Eigen::Vector3d& direction);
@@ -43,9 +43,9 @@ struct PressedRate {
   RateFit rate;
 };
 
-/// Estimates curves of force over depth and the dependence on the rate in turn, each with what the
-/// other left, until they agree: `estimate_pressing` and `fit_rate`. Where the records show no
-/// dependence, the estimate is that of `estimate_pressing` alone.
+/// Estimates curves of force over depth and the dependence on the rate in turn, each from the
+/// remainder of the other, until they agree: `estimate_pressing` and `fit_rate`. If the records
+/// show no dependence, the estimate is that of `estimate_pressing` alone.
 /// \param samples of each contact, in the order of its records. \param max_bases of a field.
 /// \throws InvalidInput as `pressed_path`.
 [[nodiscard]] PressedRate estimate_pressed_rate(

@@ -29,7 +29,7 @@ constexpr double kDeepest = 0.02;
 // one before.
 constexpr double kMostlyBack = 0.7;
 
-// Which records of a contact belong to the way back; empty if none do or times are not known.
+// Marks the records of a contact on the way back; empty if none are or times are not known.
 std::vector<bool> way_back(const Eigen::VectorXd& depth, std::span<const probing::Sample> samples) {
   std::vector<std::size_t> order(samples.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

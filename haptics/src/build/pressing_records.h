@@ -43,13 +43,13 @@ struct Pairs {
                                              std::span<const probing::Sample> samples,
                                              double height);
 
-/// Whether nothing but pressing was recorded of these contacts of an acquisition: no sample slipped
-/// or has a tangential stage, and displacements lie along one line at all but a tenth of them.
+/// Returns true if these contacts of an acquisition were only pressed: no sample slipped or has a
+/// tangential stage, and displacements lie along one line at all but a tenth of them.
 [[nodiscard]] bool is_pressing_only(const probing::CheckedAcquisition& acquisition,
                                     std::span<const std::size_t> contacts);
 
-/// What the object itself did in the records of a contact that touched at `touch` [mm]:
-/// displacements from the true surface, and forces without the offsets and as on the way in.
+/// Returns the response of the object itself in the records of a contact that touched at `touch`
+/// [mm]: displacements from the true surface, and forces without the offsets and as on the way in.
 [[nodiscard]] ForceSamples corrected(const PressedContact& contact, const PressingOffsets& offsets,
                                      double touch);
 

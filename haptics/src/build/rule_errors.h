@@ -9,12 +9,12 @@
 
 namespace palpate::haptics {
 
-/// What of the forces is compared: where contacts were only pressed, what the model gives across is
-/// an assumption.
+/// The compared part of the forces: if contacts were only pressed, the model's forces across are an
+/// assumption.
 enum class Compared { whole_forces, along_pressing };
 
-/// How well each rule predicts the samples of contacts from those around them; in a time that grows
-/// with the number of contacts only. Nothing if no contact has others around it.
+/// Returns the errors of each rule in predicting the samples of contacts from those around them, in
+/// a time that grows only with the number of contacts. Nothing if no contact has others around it.
 /// \param by_compliances, by_forces the same contacts, with compliances and with strengths.
 /// \param samples of each contact, in its local frame.
 [[nodiscard]] std::optional<RuleErrors> left_out_errors_of_rules(

@@ -38,7 +38,7 @@ using ScaleLosses = Eigen::Vector<double, kScales>;
 struct LeftOutErrors {
   std::vector<double> squares, known, unit;  // [N^2] of each sample
   double reach = 0;                          // [mm^2] as in `ForceVariance`
-  geometry::ContactWeights from;             // what predicts
+  geometry::ContactWeights from;             // the contacts that predict
 };
 
 LeftOutErrors left_out_errors(const Model& model, const BlendedField& field, const Blend& at,
@@ -82,7 +82,7 @@ Eigen::Index most_likely(const Values& losses) {
   return index;
 }
 
-// What the errors of left-out contacts tell of `between`.
+// Estimates `between` from the errors of left-out contacts.
 struct BetweenSearch {
   Losses tried;
   std::vector<Losses> losses;  // of each contact
@@ -107,8 +107,8 @@ struct BetweenSearch {
   }
 };
 
-// What is learnt from a contact and its neighbours fits their errors better than those of others.
-// Each contact is judged here by what is learnt without it.
+// Values learnt from a contact and its neighbours fit their errors better than those of others.
+// Each contact is therefore judged here by values learnt without it.
 double out_of_sample_scale(const std::vector<std::optional<LeftOutErrors>>& errors,
                            const BetweenSearch& search) {
   ScaleLosses scales;

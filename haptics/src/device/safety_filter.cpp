@@ -81,7 +81,7 @@ std::uint32_t SafetyFilter::fault(const SafetyInput& input) const noexcept {
   return 0;
 }
 
-// A ramp that is under way does not end earlier by another one that begins.
+// A ramp that has begun does not end earlier if another one begins.
 void SafetyFilter::begin_ramp(double now, double length, const Eigen::Vector3d& from) noexcept {
   const double left = std::min(ramp_begin_ + ramp_length_ - now, ramp_length_);
   ramp_begin_ = now;

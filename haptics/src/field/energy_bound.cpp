@@ -34,7 +34,7 @@ RoundedNumber square(const RoundedNumber& a) { return a * a; }
 
 RoundedNumber norm(const Vector& a) { return sqrt(dot(a, a)); }
 
-// Whether A - shift I is provably positive semi-definite, by the pivots of its LDL^T.
+// Returns true if A - shift I is provably positive semi-definite, by the pivots of its LDL^T.
 bool is_above(const Symmetric& a, double shift) {
   const RoundedNumber lowered{shift};
   const RoundedNumber d0 = a[0] - lowered;

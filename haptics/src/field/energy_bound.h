@@ -17,7 +17,7 @@ struct Cell {
   double half_width = 0;                             ///< [mm]
 };
 
-/// Rigorous bounds of q(x) = p(x) - margin / 2 |x|^2 for the energy p of a field. Where q >= 0, the
+/// Rigorous bounds of q(x) = p(x) - margin / 2 |x|^2 for the energy p of a field. If q >= 0, the
 /// energy is >= 0 for this field and for all fields whose stiffness between zero and x differs by
 /// less than the margin.
 class EnergyBound {

@@ -43,7 +43,7 @@ Eigen::Matrix3Xd displacement_ahead(const ToolHistory& path, double time) {
           after(ahead.col(k - 1), u.col(k) - u.col(k - 1), path.time[at] - path.time[at - 1], time);
       continue;
     }
-    // How long the tool took to come here.
+    // Time that the tool took to come here.
     double seconds = 0;
     if (k + 1 < count && !path.begins[at + 1]) {
       const double further = u.col(k + 1).norm() - u.col(k).norm();

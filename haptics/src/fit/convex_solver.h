@@ -10,7 +10,7 @@
 
 namespace palpate::haptics {
 
-/// When to stop minimising the loss.
+/// Stopping criteria of the minimisation of the loss.
 struct Effort {
   int iterations = 0;  ///< upper limit
   /// A step that gains less than this ends the search; noise alone changes the loss by some units.

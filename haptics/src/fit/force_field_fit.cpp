@@ -33,8 +33,8 @@ constexpr double kEpsilonRatio = 1;
 // Penalty of weights relative to the squared error, in units of the data. It is far below the noise
 // of any arm and decides only what the samples leave undetermined.
 constexpr double kWeightPenalty = 1e-7;
-// Multiples of the noise that fits assume where noise does not explain the errors. What the
-// samples have beyond any field, such as what depends on the path of the tool, acts like noise.
+// Multiples of the noise that fits assume if noise does not explain the errors. Features of the
+// samples beyond any field, such as effects of the path of the tool, act like noise.
 constexpr std::array<double, 3> kNoiseMultiples = {1, 3, 9};
 // The spring of a rigid contact reaches this multiple of the measured force.
 constexpr double kRigidReserve = 10;
@@ -263,7 +263,7 @@ FitResult best_predicting(const ScaledSamples& samples, const FitOptions& option
   }
   FitResult other = fit_as_local(samples, options, FitMode::certified);
   iterations += other.iterations;
-  // Where it was not measured, the field may err as many times as much as it bulges there.
+  // In unmeasured places the error of the field may be larger by the factor of its bulge.
   const double bulge =
       force_bulge(in_units(other.field, 1 / samples.length, 1 / samples.force_scale),
                   samples.problem.displacements(), samples.problem.forces());

@@ -29,9 +29,9 @@ struct LeftOutOptions {
 /// Mean of squared lengths, none of which counts with more than `most`.
 [[nodiscard]] double capped_mean(const Eigen::VectorXd& squares, double most);
 
-/// By how much mean squared errors at fitted pairs have to be multiplied to expect those at other
-/// pairs (generalised cross-validation), if `parameters` of `numbers` were fitted: 1 / (1 -
-/// parameters / numbers)^2; infinity if all were.
+/// Expected ratio of the mean squared errors at other pairs to those at fitted pairs (generalised
+/// cross-validation), if `parameters` of `numbers` were fitted: 1 / (1 - parameters / numbers)^2;
+/// infinity if all were.
 [[nodiscard]] double expected_growth(double parameters, double numbers);
 
 }  // namespace palpate::haptics

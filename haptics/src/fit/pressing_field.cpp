@@ -20,7 +20,7 @@ constexpr Eigen::Index kRidges = kRidgeCentres.size() * kRidgeRoundings.size();
 // Points within the reach and beyond it, and how much those beyond count.
 constexpr int kPointsWithin = 16, kPointsBeyond = 4;
 constexpr double kWeightBeyond = 0.1;
-// Where the secant stiffness is taken, relative to the reach; larger forces matter more.
+// Depth of the secant stiffness, relative to the reach; larger forces matter more.
 constexpr double kSecantDepth = 0.7;
 // [reach] Rounding of the springs across: linear within what tools reach.
 constexpr double kSpringRounding = 4;

@@ -21,7 +21,7 @@
 namespace palpate::haptics {
 namespace {
 
-// The local part is shared iff it reduces the mean log error by more than this many standard
+// The local part is shared if it reduces the mean log error by more than this many standard
 // errors.
 constexpr double kSignificance = 2;
 // Alternations between l and the G_i. They start with linear compliances.
@@ -220,8 +220,8 @@ double force_error(const Series& series, const ForceSamples& samples, Eigen::Ind
       .norm();
 }
 
-// Whether a fit to the contact's own pairs predicts held-out pairs better than the series does. The
-// errors are compared by their product, so that outliers do not decide. Pairs of about the same
+// Returns true if a fit to the contact's own pairs predicts held-out pairs better than the series.
+// The errors are compared by their product, so that outliers do not decide. Pairs of about the same
 // force are held out together, because any fit would interpolate between nearly equal pairs.
 bool own_is_better(const ForceSamples& samples, const LocalPart& part, const FitOptions& options) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(samples.forces.cols()));

@@ -25,7 +25,7 @@ double root_mean_square(const Eigen::Ref<const Eigen::MatrixXd>& values) {
   return std::sqrt(values.squaredNorm() / static_cast<double>(values.cols()));
 }
 
-// What the forces along a direction have beyond a linear function of the measured coordinates.
+// RMS of the forces along a direction beyond a linear function of the measured coordinates.
 double unexplained(const Eigen::VectorXd& along, const Eigen::MatrixXd& coordinates) {
   const Eigen::VectorXd left = along - coordinates * coordinates.colPivHouseholderQr().solve(along);
   const double free = static_cast<double>(along.size() - coordinates.cols());

@@ -16,11 +16,11 @@ struct UnmeasuredDirections {
   Eigen::Vector3d ridge;  ///< with count = 2: the direction of the forces, of unit length
 };
 
-/// A direction is unmeasured iff displacements [mm] along it are, in root mean square, at most
-/// kRigidRatio times their noise, and what the forces [N] along it have beyond a linear function of
-/// the other displacements is at most kRigidRatio times their noise or a tenth of all forces. More
-/// force across would be that of an object that is practically rigid there. One direction at least
-/// counts as measured.
+/// A direction is unmeasured if displacements [mm] along it are, in root mean square, at most
+/// kRigidRatio times their noise, and the part of the forces [N] along it beyond a linear function
+/// of the other displacements is at most kRigidRatio times their noise or a tenth of all forces.
+/// More force across would be that of an object that is practically rigid there. One direction at
+/// least counts as measured.
 [[nodiscard]] UnmeasuredDirections unmeasured_directions(const Eigen::Matrix3Xd& displacements,
                                                          const Eigen::Matrix3Xd& forces,
                                                          double displacement_noise,

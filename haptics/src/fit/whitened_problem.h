@@ -76,7 +76,7 @@ struct ReducedChi2 {
 };
 
 /// Chi^2 of the squared lengths of whitened errors, three numbers each, after `parameters` numbers
-/// were fitted. Outliers are left out unless they are so many that the fit cannot follow them.
+/// were fitted. Outliers are left out unless there are too many for the fit to follow them.
 [[nodiscard]] ReducedChi2 reduced_chi2(const Eigen::VectorXd& squares, double parameters);
 
 /// Two unit vectors perpendicular to a ridge and to each other, as columns.

@@ -16,7 +16,7 @@
 namespace palpate::haptics {
 namespace {
 
-// A pair is used iff its components along the cone's axis exceed this multiple of their noise,
+// A pair is used if its components along the cone's axis exceed this multiple of their noise,
 // because a noisy denominator biases a ratio.
 constexpr double kMinSignal = 5;
 // Deviation of the ratios d_T / d_N of a real object from the linear law (about 6 degrees). It
@@ -30,9 +30,9 @@ constexpr int kUnknowns = 3;              // of each component: t and a row of S
 constexpr int kMinPairs = 2 * kUnknowns;  // half of them estimate the scatter
 constexpr int kMaxReweightings = 50;
 constexpr double kRatioTolerance = 1e-10;  // change of the solution between two iterations
-// The forces span a plane iff the least pivot is larger than this times the largest.
+// The forces span a plane if the least pivot is larger than this times the largest.
 constexpr double kMinPivot = 1e-6;
-// [rad] An axis is used iff its standard error is at most this (9 degrees). Otherwise the axis of
+// [rad] An axis is used if its standard error is at most this (9 degrees). Otherwise the axis of
 // the friction cone is used, whose error on a stretched sheet is about as large.
 constexpr double kMaxError = 0.15;
 

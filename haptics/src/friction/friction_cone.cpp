@@ -24,13 +24,13 @@ namespace {
 constexpr double kPlateau = 3;     // see least_noise
 constexpr int kMinDirections = 4;  // three unknowns and one to check them with
 constexpr int kMinLevels = 2;
-// [rad] An axis is determined iff its standard error is at most this (3 degrees). Otherwise all
+// [rad] An axis is determined if its standard error is at most this (3 degrees). Otherwise all
 // directions lie on one side.
 constexpr double kMaxAxisError = 0.05;
 // A contact is frictionless only if the upper bound of the coefficient is at most this as well,
 // because weak forces leave the coefficient open even if only forces within the noise held.
 constexpr double kSlippery = 0.1;
-// Without searches a coefficient is determined iff its relative error is at most this.
+// Without searches a coefficient is determined if its relative error is at most this.
 constexpr double kCoarse = 0.1;
 // The search starts with only the ends of the intervals, and with the noise at this fraction of
 // their median force, which is nearly a least-squares fit of their middles. The noise is then

@@ -18,7 +18,7 @@
 namespace palpate::haptics {
 namespace {
 
-// Normal forces that differ by less than this factor do not tell an exponent.
+// Normal forces that differ by less than this factor do not determine an exponent.
 constexpr double kLeastRatio = 1.5;
 constexpr int kExponentBits = 12;  // to which an exponent is searched: 2^-12 of its range
 constexpr std::uintmax_t kMostEvaluations = 20;

@@ -17,11 +17,11 @@ struct LoadedContact {
   FrictionFit cone;
 };
 
-/// How the friction of all contacts together depends on the load, if their trials show that it
-/// does: one exponent p for the object, with a cone for each contact. It maximises the likelihood
-/// of `fit_friction` over p and all cones. p is taken iff it raises the logarithm of the likelihood
-/// by more than half of that of the number of trials (Bayesian information criterion), over no
-/// dependence with any steady error of the tangential force, whose prior has the standard deviation
+/// Estimates how the friction of all contacts together depends on the load, if their trials show
+/// it: one exponent p for the object, with a cone for each contact. It maximises the likelihood of
+/// `fit_friction` over p and all cones. p is used only if it raises the log-likelihood by more than
+/// half the logarithm of the number of trials (Bayesian information criterion), over no dependence
+/// with any steady error of the tangential force, whose prior has the standard deviation
 /// `FrictionOptions::steady_error`: a constant error looks like friction that falls with the load.
 /// The reference force is the median of the normal forces.
 /// \return none if the trials show no dependence, or one beyond `kLargestLoadExponent`.

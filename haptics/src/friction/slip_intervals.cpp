@@ -12,13 +12,13 @@
 namespace palpate::haptics {
 namespace {
 
-// Two normal forces belong to one level iff they differ by at most this share of the larger one
-// plus the noise of both.
+// Two normal forces belong to one level if they differ by at most this share of the larger one plus
+// the noise of both.
 constexpr double kSameLevel = 0.1;
-// [rad] Two forces have the same direction iff their angles differ by at most this (2.5 degrees);
-// an arm probes about a dozen directions.
+// [rad] Two forces have the same direction if their angles differ by at most this (2.5 degrees); an
+// arm probes about a dozen directions.
 constexpr double kSameDirection = 0.044;
-// A tangential force has a direction iff it exceeds this many standard deviations of the noise.
+// A tangential force has a direction if it exceeds this many standard deviations of the noise.
 constexpr double kNoticeable = 3;
 
 struct Polar {

@@ -27,7 +27,7 @@ struct SlipInterval {
                                                        const Eigen::Vector3d& pressing,
                                                        double force_noise);
 
-/// Whether most directions were searched: tried with more than two tangential forces at one level.
+/// True if at least half of the directions had more than two tangential forces at one level.
 [[nodiscard]] bool are_searches(std::span<const FrictionTrial> trials,
                                 const Eigen::Vector3d& pressing, double force_noise);
 

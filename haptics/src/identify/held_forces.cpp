@@ -18,7 +18,7 @@ double mean_below(double limit) {
   return share > 0 ? -density / share : limit;
 }
 
-// [N] What a force that held is expected to be off.
+// [N] The expected error of a force that held.
 Eigen::Vector3d expected_error(const FrictionFit& cone, const Eigen::Vector3d& force) {
   const double along = force.dot(cone.axis);
   const Eigen::Vector3d across = force - along * cone.axis;

@@ -160,7 +160,7 @@ std::optional<Prediction> predict_strip(const Base& base, const Eigen::VectorXd&
   return prediction;
 }
 
-/// How far the contacts reach in a direction.
+/// The reach of the contacts in a direction.
 double reach(const Base& base, const std::vector<probing::Contact>& contacts,
              const Eigen::Vector3d& direction) {
   double most = 0;

@@ -51,7 +51,7 @@ Eigen::VectorXd mesh_shift(const MeshStudy& study, const std::vector<Pair>& pair
   // Usual errors of displacements on a mesh, of their length: what these pairs do not determine
   // beyond them stays as it is.
   constexpr double kUsual = 0.03;
-  // By how much the shifts of regions usually differ from their common one.
+  // Usual difference of the shifts of regions from their common one.
   constexpr double kUsualDifference = 0.1;
   const Eigen::Index count = found.parameters.size();
   // The columns are how shifts of all shear moduli in common, and then of each parameter, act.

@@ -10,7 +10,7 @@
 
 namespace palpate::haptics {
 
-/// What a mesh of half the size of elements changes in some of the pairs. All vectors are of one
+/// The effect of a mesh of half the size of elements on some of the pairs. All vectors are of one
 /// length.
 struct MeshStudy {
   std::vector<std::size_t> pairs;           ///< indices
@@ -29,12 +29,12 @@ struct MeshStudy {
 /// the length of the displacement; 0 without pairs.
 [[nodiscard]] double mesh_scatter(const MeshStudy& study, const std::vector<Pair>& pairs);
 
-/// By how much the parameters of an estimate, whose scales are one, come out too large since its
+/// Returns the bias of the parameters of an estimate, whose scales are one, because its
 /// displacements are those of the given mesh. The first `regions` are shear moduli: their shifts
-/// are alike unless the study tells otherwise. Others are not shifted where `free` is false.
+/// are alike unless the study shows otherwise. Others are not shifted where `free` is false.
 ///
-/// Meshes err most in a common factor of displacements, which whole displacements tell better than
-/// the short ways of drags. Here they therefore have the same weight, relative to their length.
+/// The largest error of meshes is a common factor of displacements, which whole displacements show
+/// better than the short drags. Here they therefore have the same weight, relative to their length.
 [[nodiscard]] Eigen::VectorXd mesh_shift(const MeshStudy& study, const std::vector<Pair>& pairs,
                                          const LawEstimate& found, const std::vector<bool>& free,
                                          Eigen::Index regions);

@@ -33,7 +33,7 @@ constexpr int kMaxWeightRounds = 12;
 constexpr std::size_t kStartPairs = 300;
 /// Initial damping of a search from a distant start, and of one continued with other weights.
 constexpr double kFar = 1e-2, kNear = 1e-6;
-/// A parameter belongs to a direction iff its component of the unit vector is larger.
+/// A parameter belongs to a direction if its component of the unit vector is larger.
 constexpr double kBelongs = 0.1;
 /// Size of a zero eigenvalue due to errors of derivatives, relative to the largest eigenvalue.
 constexpr double kZeroEigenvalue = 1e-10;
@@ -271,7 +271,7 @@ double mean_square(std::span<const Pair> pairs, const Predictions& predictions) 
   return sum / static_cast<double>(pairs.size());
 }
 
-/// Whether every determined parameter moved by a negligible share of its standard error.
+/// Returns true if every determined parameter moved by a negligible share of its standard error.
 bool rests(const ParametricLaw& law, const std::vector<ParameterEstimate>& estimates,
            const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   for (Eigen::Index k = 0; k < before.size(); ++k) {

@@ -16,7 +16,7 @@ namespace palpate::haptics {
 /// \throws InvalidInput if an option is outside its range, or one noise is given without the other.
 void check_identify_options(IdentifyOptions options);
 
-/// A direction of the parameters is undetermined iff its standard error is at least this, in units
+/// A direction of the parameters is undetermined if its standard error is at least this, in units
 /// of their scales, so that a change of one scale is less than three standard errors.
 inline constexpr double kUndetermined = 1.0 / 3;
 

@@ -80,7 +80,7 @@ struct NormalEquations {
 [[nodiscard]] NormalEquations normal_equations(const Problem& problem, const Weights& weights,
                                                const Predictions& predictions);
 
-/// Whether parameter k is at a bound and the sum of losses falls beyond it.
+/// Returns true if parameter k is at a bound and the sum of losses falls beyond it.
 [[nodiscard]] bool held_by_bound(const ParametricLaw& law, const Eigen::VectorXd& parameters,
                                  const NormalEquations& normal, Eigen::Index k);
 

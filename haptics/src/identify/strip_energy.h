@@ -20,7 +20,7 @@ struct Strip {
   double lateral = 0;      ///< [N/mm]
 };
 
-/// The strip under a contact. It is valid iff both lengths and the width factor are > 0
+/// The strip under a contact. It is valid if both lengths and the width factor are > 0
 /// (`is_sound`); this function does not check.
 [[nodiscard]] Strip strip_at(const StripModel& model, const probing::Contact& contact);
 [[nodiscard]] bool is_sound(const Strip& strip);

@@ -19,8 +19,8 @@ namespace palpate::haptics {
 namespace {
 
 constexpr int kMaxStripIterations = 200;
-/// The equilibrium is found iff the residual force <= this * the sum of the magnitudes of its
-/// terms; 1e-12 is some hundred roundings.
+/// The equilibrium is found if the residual force <= this * the sum of the magnitudes of its terms;
+/// 1e-12 is some hundred roundings.
 constexpr double kBalanceRelTol = 1e-12;
 /// Smallest eigenvalue of Newton's matrix relative to its largest, so that a step is always
 /// downhill.

@@ -11,8 +11,8 @@
 
 namespace palpate::haptics {
 
-/// What is kriged: with the rule `compliances`, the compliances of contacts, in their pressing
-/// frames. With `forces` their strengths, in their local frames, as compliances of which only u_z
+/// The kriged value of a contact: with the rule `compliances`, its compliance, in its pressing
+/// frame. With `forces` its strength, in its local frame, as a compliance of which only u_z
 /// varies.
 [[nodiscard]] std::optional<Compliance> kriged_value(const ContactModel& contact, BlendRule rule);
 [[nodiscard]] Eigen::Matrix3d kriged_frame(const ContactModel& contact, BlendRule rule);

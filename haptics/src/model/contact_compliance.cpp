@@ -38,7 +38,7 @@ std::optional<Eigen::Vector3d> displacement_under(const ForceField& field,
     const Eigen::Vector3d gradient = force(field, x) - load;
     if (gradient.norm() <= kForceTolerance * load.norm()) return x;
     const Eigen::Matrix3d hessian = stiffness(field, x);
-    // Where the energy is not convex, take a gradient step.
+    // If the energy is not convex, take a gradient step.
     Eigen::LLT<Eigen::Matrix3d> factor(hessian + kPositiveDefinite * hessian.norm() *
                                                      Eigen::Matrix3d::Identity());
     Eigen::Vector3d step = -gradient / std::max(hessian.norm(), load.norm() / limit);

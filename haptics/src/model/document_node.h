@@ -30,7 +30,7 @@ struct DocumentPart {
                          const std::string& right);
 
 /// Typed access to a value inside a part of a JSON document. Every function throws InvalidInput if
-/// the value is not of the requested kind: the message has the JSON pointer, what was found, and
+/// the value is not of the requested kind: the message has the JSON pointer, the value found, and
 /// what would be right. The part must outlive the node.
 class DocumentNode {
  public:

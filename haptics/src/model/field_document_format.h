@@ -28,7 +28,7 @@ inline constexpr std::array kFitModes = {FitMode::convex, FitMode::certified, Fi
 inline constexpr std::array kPassivities = {Passivity::convex, Passivity::certified,
                                             Passivity::violated, Passivity::undecided};
 
-/// Whether a text is one that `probing::fingerprint` may give.
+/// Returns true if a text is one that `probing::fingerprint` may return.
 [[nodiscard]] inline bool is_fingerprint(std::string_view text) {
   constexpr std::size_t kDigits = 16;
   return text.size() == kDigits &&

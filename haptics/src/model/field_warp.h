@@ -44,7 +44,7 @@ using Compliance = Eigen::Vector<double, 6>;
                                             const Eigen::Vector3d& place,
                                             const Eigen::Matrix3d& frame, double reach) noexcept;
 
-/// By how much a place resists more than the weighted mean of its contacts: 1 + the change of their
+/// Ratio of the resistance of a place to the weighted mean of its contacts: 1 + the change of their
 /// strengths towards the place, which is computed as in `compliance_between` and limited to
 /// kMaxChange, relative to the mean of their strengths. 1 if none is known, or all are 0. Real-time
 /// safe.

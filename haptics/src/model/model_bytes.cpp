@@ -61,7 +61,7 @@ class ByteReader {
     std::memcpy(static_cast<void*>(values), rest_.data(), count * sizeof(T));
     rest_ = rest_.subspan(count * sizeof(T));
   }
-  // How many entries follow; each takes at least this number of bytes.
+  // Number of entries that follow; each takes at least this number of bytes.
   std::size_t count(std::size_t /*count*/, std::size_t least) {
     std::uint64_t stored = 0;
     value(stored);

@@ -21,7 +21,7 @@ static_assert(std::endian::native == std::endian::little,
 constexpr std::array<char, 8> kMagic = {'P', 'A', 'L', 'P', 'D', 'E', 'F', 'O'};
 constexpr std::uint32_t kFileVersion = 1;
 
-// What the file begins with; nodes, weights, dents, responses and recorded surfaces follow.
+// The header of the file; nodes, weights, dents, responses and recorded surfaces follow.
 struct Header {
   std::array<char, 8> magic = kMagic;
   std::uint32_t version = kFileVersion, vertices = 0, nodes = 0, contacts = 0, shapes = 0, zero = 0;

@@ -20,7 +20,7 @@
 namespace palpate::haptics {
 namespace {
 
-// A is a rotation times a scale iff A^T A / s^2 differs from the identity by at most this in each
+// A is a rotation times a scale if A^T A / s^2 differs from the identity by at most this in each
 // entry: the rounding of some operations.
 constexpr double kSimilarity = 1e-12;
 // Displacements at which a field is refitted: directions on concentric spheres within its reach.

@@ -37,7 +37,7 @@ Eigen::VectorXd distances_from(const geometry::TriangleMesh& surface,
   return geometry::geodesic_distance(surface, {&contact, 1}, {.stop_radius = radius}).distance;
 }
 
-// How each node moves.
+// Returns the motion of each node.
 Eigen::Matrix3Xd node_moves(const SurfaceResponse& from, const geometry::ContactWeights& weights,
                             const Eigen::Vector3d& displacement) {
   const Eigen::Index nodes = from.responses.rows() / 9;

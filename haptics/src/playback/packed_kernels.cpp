@@ -184,9 +184,9 @@ PALPATE_INLINE void turn_compliance(const Vector4* from, const Vector4& cosine, 
   to[5] = mean - turned;
 }
 
-// What `BlendedField` does by `carried_frame`, `turn_between`, `compliance_between` and
-// `warp_between`, in closed form and in coordinates of the pressing frames. False where that form
-// does not hold.
+// Does the work of `carried_frame`, `turn_between`, `compliance_between` and `warp_between` of
+// `BlendedField`, in closed form and in coordinates of the pressing frames. Returns false if that
+// form does not hold.
 template <int kCount>
 PALPATE_INLINE bool blend(const double* position, double reach, const Lanes* weights,
                           PlaceField& place) {

@@ -6,7 +6,7 @@
 
 namespace palpate::haptics::packed {
 
-// Where the constants of a contact stand.
+// Offsets of the constants of a contact.
 constexpr int kPressing = 0;         // pressing frame, by columns
 constexpr int kCone = 9;             // axis of the friction cone
 constexpr int kPosition = 12;        //

@@ -19,8 +19,8 @@ namespace {
 // otherwise the first force could be more than the user has paid for, and be refused for good.
 constexpr double kRenewedCredit = 0.1;
 
-// [N mm] What the user has put in until the middle of a tick. Work is that of the commanded forces,
-// by the trapezoidal rule.
+// [N mm] The energy that the user has put in until the middle of a tick. Work is that of the
+// commanded forces, by the trapezoidal rule.
 double budget_of(const LoopState& state, const Eigen::Vector3d& way) {
   return state.work - state.force.dot(way) / 2;
 }
@@ -93,8 +93,8 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
   reach.radius += options.start_depth;
 }
 
-// Whether the tool is behind the nearest part of the surface, not beyond its border, and not too
-// far inside.
+// Returns true if the tool is behind the nearest part of the surface, not beyond its border, and
+// not too far inside.
 bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const {
   TouchPoint nearest;
   const double distance = side.signed_distance(tool, nearest);
@@ -103,7 +103,7 @@ bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact)
   return true;
 }
 
-// Whether the tool is in front of the nearest part of the surface, not beyond its border.
+// Returns true if the tool is in front of the nearest part of the surface, not beyond its border.
 bool Playback::Impl::is_outside(const Eigen::Vector3d& tool) const {
   TouchPoint nearest;
   return side.signed_distance(tool, nearest) > 0;
@@ -137,7 +137,7 @@ SlidingContact Playback::Impl::moved_contact(const TouchPoint& point, const Eige
   return contact_at(point, tool, state.delayed, state.place);
 }
 
-// \param way of the tool in this tick.
+// \param way motion of the tool in this tick.
 SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Vector3d& tool,
                                     const Eigen::Vector3d& way, LoopState& state) const {
   if (options.motion == ContactMotion::bracketed) {
@@ -172,8 +172,8 @@ bool Playback::Impl::stays_inside(const SlidingContact& start, const Eigen::Vect
   return contact.force.force.dot(tool - contact.at.position) >= 0;
 }
 
-// Where else a tool touches whose contact pulls: at another side of a crease, as seen from the
-// contact, or at the nearest point.
+// Finds another place at which a tool touches if its contact pulls: at another side of a crease, as
+// seen from the contact, or at the nearest point.
 bool Playback::Impl::pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::Vector3d& way,
                                       LoopState& state, SlidingContact& contact) const {
   const SlidingContact pulling = contact;
@@ -186,10 +186,10 @@ bool Playback::Impl::pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::
   return stays_inside(pulling, tool, way, state, contact);
 }
 
-// How much of its force and energy the object has, so that it never stores more than the user has
-// put in: less than all after a contact had to go where more is stored, as across the bottom of a
-// sharp groove. The share is kept while the contact holds, since work and energy then go together,
-// and grows with the energy that friction takes.
+// Share of its force and energy that the object has, so that it never stores more than the user put
+// in: less than all after a contact had to go where more is stored, as across the bottom of a sharp
+// groove. The share is kept while the contact holds, since work and energy then go together, and
+// grows with the energy that friction takes.
 double Playback::Impl::affordable_share(const SlidingContact& contact, const Eigen::Vector3d& way,
                                         const LoopState& state) const {
   if (options.motion != ContactMotion::bracketed) return 1;
@@ -217,7 +217,7 @@ Command Playback::Impl::respond(const Eigen::Vector3d& force, double elastic,
   return command;
 }
 
-// \param proxy where the way of the free tool begins.
+// \param proxy where the motion of the free tool begins.
 Command Playback::Impl::let_go(const Eigen::Vector3d& proxy, const Eigen::Vector3d& way,
                                LoopState& state) const {
   // A tool that passes its contact takes all of its force along.

@@ -22,9 +22,9 @@ struct SlidingContact {
   bool found = true;        ///< a root was found, whether or not there is energy to go there
 };
 
-/// Where the object would pull the tool because it returns more slowly: lets the delayed
-/// displacements follow until it does not. u - z shrinks to the largest part of itself at which the
-/// normal force is not negative, in halvings; at 0 the force is that of the field. Real-time safe.
+/// If the object would pull the tool because it returns more slowly, lets the delayed displacements
+/// follow until it does not. u - z shrinks to the largest part of itself at which the normal force
+/// is not negative, in halvings; at 0 the force is that of the field. Real-time safe.
 /// \param place of `contact`.
 void let_follow(const PackedField& field, const PlaceField& place, const Eigen::Vector3d& tool,
                 DelayedDisplacements& delayed, SlidingContact& contact) noexcept;

@@ -65,7 +65,7 @@ SlidingContact SlipSearcher::search(SlipMemory& memory) {
   }
   if (!is_root(best_)) far_away(memory);
   const bool found = is_root(best_);
-  // What slips off the border loses its energy.
+  // A contact that slips off the border loses its energy.
   best_.off_border = !found && is_at_border();
   if (!best_.off_border) keep_energy();
   best_.found = found;
@@ -73,7 +73,7 @@ SlidingContact SlipSearcher::search(SlipMemory& memory) {
   return best_;
 }
 
-// The border ends the walk, and the contact would go on beyond it.
+// The border ends the walk, and the contact would continue beyond it.
 void SlipSearcher::note_border(const Walk& walk) {
   if (walk.border_edge < 0 || !(last_.parts.excess > options_.tolerance)) return;
   const int t = walk.at.triangle, k = walk.border_edge;
@@ -191,8 +191,8 @@ void SlipSearcher::in_plane(SlipMemory& memory, int most) {
     evaluate(walk.at);
     note_border(walk);
     const Eigen::Vector2d now = axes * beyond_cone();
-    // What the step showed along itself, for a Jacobian that cannot be used: where an object is
-    // far softer in this direction than in others, any larger stiffness would make tiny steps.
+    // The stiffness along the step itself, for a Jacobian that cannot be used: if an object is far
+    // softer in this direction than in others, any larger stiffness would make tiny steps.
     const double seen = (rest - now).dot(moved) / moved.squaredNorm();
     if (seen > 0) stiffness = seen;
     jacobian += (now - rest - jacobian * moved) * moved.transpose() / moved.squaredNorm();

@@ -25,14 +25,14 @@ struct SlipSearchOptions {
 ///
 /// It walks along the section of the surface with the plane of tool and friction axis (Eq 5.19),
 /// with a bracketed secant that begins with the slope of the last slip. On the far side of the cone
-/// |f_T| counts as negative, so that the bracket holds the near side. Where the section has no
-/// root, the contact follows f_T itself, by Broyden's method in two dimensions; so it does at once
-/// after a slip that ended so, with the Jacobian of that one: at most 30 evaluations until then. If
-/// that does not find one either, as after jumps and across creases, the search begins again at the
-/// point nearest to the tool. Then it goes down the part of f_T beyond the cone along the surface
-/// itself, from the best place so far, the nearest point, the start, and the best of 24 places
-/// around the nearest point and 24 further away: at most 12 steps of 7 evaluations, and 12 once a
-/// place holds.
+/// |f_T| counts as negative, so that the bracket holds the near side. If the section has no root,
+/// the contact follows f_T itself, by Broyden's method in two dimensions; it does so at once if the
+/// last slip ended in this way, with the Jacobian of that one: at most 30 evaluations until then.
+/// If that does not find a root either, as after jumps and across creases, the search starts again
+/// at the point nearest to the tool. Then it goes down the part of f_T beyond the cone along the
+/// surface itself, from the best place so far, the nearest point, the start, and the best of 24
+/// places around the nearest point and 24 further away: at most 12 steps of 7 evaluations, and 12
+/// once a place holds.
 /// Real-time safe.
 /// \param start where |f_T| exceeds mu f_N.
 /// \param place of `start`; afterwards of the result.

@@ -46,13 +46,13 @@ class SlipSearcher {
     return last_;
   }
 
-  // Where there is no friction, a place that pulls may be on the cone, too.
+  // Without friction, a place that pulls may be on the cone, too.
   [[nodiscard]] bool is_root(const SlidingContact& at) const {
     return at.parts.normal >= 0 && std::abs(at.parts.excess) <= options_.tolerance;
   }
 
-  // Takes the last place if it is the best so far; any that pushes is better than one that pulls.
-  // False for NaN.
+  // Keeps the last place if it is the best so far; any that pushes is better than one that pulls. A
+  // place with NaN is not kept.
   void keep_best() {
     const bool pulls = !(last_.parts.normal >= 0), best_pulls = !(best_.parts.normal >= 0);
     if (pulls != best_pulls ? best_pulls

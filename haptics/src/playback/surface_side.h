@@ -20,12 +20,12 @@ class SurfaceSide {
   /// \param fallback normal of a triangle without area.
   [[nodiscard]] TouchPoint touch_point(const SurfacePlace& place,
                                        const Eigen::Vector3d& fallback) const noexcept;
-  /// Whether the way to the tool enters the surface from outside, and where.
+  /// Returns true if the path to the tool enters the surface from outside, and finds where.
   [[nodiscard]] bool enters(const Eigen::Vector3d& from, const Eigen::Vector3d& tool,
                             TouchPoint& contact) const noexcept;
   /// A point outside the surface and next to a contact, in front of all triangles that it touches.
   [[nodiscard]] Eigen::Vector3d lifted(const TouchPoint& contact) const noexcept;
-  /// Whether a tool that touched still does.
+  /// Returns true if a tool that touched still touches.
   [[nodiscard]] bool stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const noexcept;
   /// [mm] from the nearest part of the surface to the tool, in front of it > 0 and behind it < 0; 0
   /// beyond the border.

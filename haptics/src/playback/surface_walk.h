@@ -84,7 +84,7 @@ class SurfaceWalk {
   std::vector<Triangle> triangles_;
 
   void connect();
-  // Whether a place is this near [mm] to the edge that begins at a corner.
+  // Returns true if a place is this near [mm] to the edge that begins at a corner.
   [[nodiscard]] bool is_on_edge(int triangle, int corner, const Eigen::Vector3d& place,
                                 double tolerance) const noexcept;
 };

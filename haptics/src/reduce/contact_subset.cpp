@@ -24,7 +24,7 @@ std::vector<geometry::SurfacePoint> places_of(const Model& model,
   return places;
 }
 
-// The three heaviest contacts of a place. The weight of the fourth one is taken off them, so that
+// The three heaviest contacts of a place. The weight of the fourth one is subtracted, so that
 // weights are continuous along the surface where it takes the place of the third.
 void set_weights(const geometry::ContactWeights& at, Eigen::Index vertex,
                  geometry::SurfaceWeights& weights) {
@@ -32,7 +32,7 @@ void set_weights(const geometry::ContactWeights& at, Eigen::Index vertex,
   for (std::size_t k = 0; k < static_cast<std::size_t>(at.count); ++k)
     heaviest.emplace_back(at.weights[k], at.contacts[k]);
   std::ranges::sort(heaviest, std::greater());
-  // Where four weigh the same, any three will do.
+  // If four have the same weight, any three will do.
   const bool has_fourth = heaviest.size() > 3 && heaviest[0].first > heaviest[3].first;
   const double fourth = has_fourth ? heaviest[3].first : 0;
   heaviest.resize(3, {0, -1});

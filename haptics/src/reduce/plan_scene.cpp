@@ -88,7 +88,7 @@ class ContactTrade {
     return high;
   }
 
-  // How many contacts the arm has time for.
+  // Number of contacts for which the arm has time.
   [[nodiscard]] int contacts_in(double time) const {
     return static_cast<int>(
         std::min(std::floor((1 + kTimeRounding) * time / needs_.contact_time), double(most())));

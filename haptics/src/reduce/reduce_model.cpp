@@ -38,7 +38,7 @@ constexpr int kTolerances = 8;
 // is searched, up to 2^(1/8).
 constexpr double kMostRaised = 256;
 constexpr int kHalvings = 3;
-// How often less is allowed because strokes that did not choose find more than is allowed.
+// Number of reductions of the allowed error if strokes that did not choose find a larger one.
 constexpr int kCorrections = 6;
 // At least this much less each time.
 constexpr double kCorrection = 0.75;
@@ -69,7 +69,7 @@ PlayedStrokes played(const Model& model, const StrokeSettings& settings) {
   return result;
 }
 
-// Which contacts have weight at a vertex that can be reached.
+// Marks the contacts that have weight at a vertex that can be reached.
 std::vector<bool> needed_contacts(const Model& model, const std::vector<bool>& reachable) {
   std::vector<bool> needed(model.contacts.size(), reachable.empty());
   if (reachable.empty()) return needed;
@@ -96,13 +96,13 @@ std::vector<std::size_t> indices_where(const std::vector<bool>& values, bool wan
   return result;
 }
 
-/// What a reduction may change.
+/// The differences that a reduction may cause.
 struct Allowed {
   double force = 0;    // [N] RMS difference from the full model
   double surface = 0;  // [mm]
 };
 
-/// What all attempts to reduce a model share.
+/// The data that all attempts to reduce a model share.
 struct Source {
   const Model& model;
   const ReduceOptions& options;

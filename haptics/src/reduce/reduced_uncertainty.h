@@ -14,10 +14,10 @@ namespace palpate::haptics {
 [[nodiscard]] std::optional<double> stated_error(const Model& model,
                                                  std::span<const StrokeEnd> ends);
 
-/// The contacts of a reduced model state other errors between them: what is most likely where
-/// strokes end, with the full model's own error there and the difference of the two forces at the
-/// same displacement. A contact that no stroke
-/// tells anything of keeps its own. Nothing changes if a contact of the full model states none.
+/// The contacts of a reduced model state other errors between them: the most likely ones at the
+/// ends of strokes, with the full model's own error there and the difference of the two forces at
+/// the same displacement. A contact without information from any stroke keeps its own errors.
+/// Nothing changes if a contact of the full model states none.
 void state_reduced_errors(const Model& full, std::span<const StrokeEnd> ends, Model& reduced);
 
 }  // namespace palpate::haptics

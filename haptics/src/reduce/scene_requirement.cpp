@@ -163,7 +163,7 @@ SceneRequirements requirements_of(const DocumentNode& root, const fs::path& fold
   return result;
 }
 
-// Whether an object is meant by its name, or else by its model.
+// Returns true if an object is meant by its name, or else by its model.
 bool is_meant(const DocumentNode& object, const fs::path& folder, const fs::path& model,
               const std::optional<std::string>& name) {
   if (name) return object.at("name").text() == *name;

@@ -81,7 +81,7 @@ constexpr int kSteps = 16;
 // Then it is bisected up to this, relative to it.
 constexpr double kDepthTolerance = 1e-3;
 
-// How deep a press may go at a place.
+// The largest depth of a press at a place.
 struct DepthLimit {
   double force = std::numeric_limits<double>::infinity();  // [N]
   double depth = PlaybackOptions{}.start_depth;            // [mm]
@@ -138,7 +138,7 @@ double usual_distance(const Model& model) {
          std::sqrt(static_cast<double>(model.contacts.size()));
 }
 
-// The tool moves along a straight way, as long as the force is below a limit. Returns the last
+// The tool moves along a straight line while the force is below a limit. Returns the last
 // position, with what the tool feels there.
 StrokeEnd moved(const Playback& playback, const Vector3d& from, const Vector3d& to, int ticks,
                 double largest_force, LoopState& state) {
@@ -173,7 +173,7 @@ Stroke shifted(Stroke stroke, const Vector3d& by) {
   return stroke;
 }
 
-// Whether a model that differs a little may feel quite different.
+// Returns true if a model that differs a little may feel quite different.
 bool jumps(const Playback& playback, const Stroke& stroke, const std::vector<StrokeEnd>& ends,
            double largest_force, std::mt19937_64& random) {
   const double by = kShift * (stroke.pressed - stroke.start).norm();

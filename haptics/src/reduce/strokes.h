@@ -16,14 +16,14 @@ namespace palpate::haptics {
 /// Strokes that choose, for each of `ReduceOptions::strokes`, which measure.
 inline constexpr double kChoosing = 0.2;
 
-/// What a tool does with an object: it comes from outside, presses into it and drags along it.
+/// A stroke of a tool: it comes from outside, presses into the object and drags along it.
 struct Stroke {
   Eigen::Vector3d start = Eigen::Vector3d::Zero();    ///< [mm] outside
   Eigen::Vector3d pressed = Eigen::Vector3d::Zero();  ///< [mm] inside
   Eigen::Vector3d dragged = Eigen::Vector3d::Zero();  ///< [mm] without drags: `pressed`
 };
 
-/// What the tool feels at the end of a press or of a drag.
+/// The feel of the tool at the end of a press or of a drag.
 struct StrokeEnd {
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();     ///< [mm]
   Eigen::Vector3d contact = Eigen::Vector3d::Zero();  ///< [mm] on the undeformed surface
@@ -54,7 +54,7 @@ struct StrokeSettings {
 [[nodiscard]] std::vector<Stroke> random_strokes(const Model& model,
                                                  const StrokeSettings& settings);
 
-/// [mm] How deep the strokes may press at each contact.
+/// [mm] Largest depth of the strokes at each contact.
 [[nodiscard]] std::vector<double> press_depths(const Model& model, const StrokeSettings& settings);
 
 /// Plays strokes, in parallel. Each has one end, or two if it is dragged.

@@ -21,8 +21,8 @@ struct ThinnedContacts {
   double error = 0;               ///< [N] RMS difference from the model at the ends of the strokes
 };
 
-/// Chooses few contacts with which strokes feel as with all of them. What it learns of a choice is
-/// kept for the next error.
+/// Chooses few contacts with which strokes feel as with all of them. Results for a choice are kept
+/// for the next error.
 class ContactThinning {
  public:
   /// \param candidates indices, ascending; at least three.

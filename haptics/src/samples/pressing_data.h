@@ -12,7 +12,7 @@
 
 namespace palpate::haptics {
 
-/// What is measured of a contact, along and across its direction.
+/// The measurements of a contact, along and across its direction.
 struct Press {
   Eigen::VectorXd depth, force;  // [mm], [N]
   Eigen::Vector3d across_slope;  // mm across per mm of depth
@@ -20,7 +20,7 @@ struct Press {
   Eigen::VectorXd weight;        // of the object's force: 1, or 1 - hysteresis
 };
 
-/// What all contacts share while an acquisition is estimated.
+/// Values that all contacts share while an acquisition is estimated.
 struct Scales {
   double length = 1;   // [mm] the largest depth
   double force = 1;    // [N] root mean square

@@ -21,12 +21,12 @@ namespace {
 
 // Largest number of contacts, evenly selected, from which degree and offsets are chosen.
 constexpr std::size_t kMostInChoice = 400;
-// Fewer contacts do not tell offsets from the shape of their curves.
+// Fewer contacts do not distinguish offsets from the shape of their curves.
 constexpr std::size_t kFewestContacts = 12;
 // The forces on the way back differ if the difference exceeds its standard error by this factor,
 // and this share of the force.
 constexpr double kHysteresisErrors = 4, kLeastHysteresis = 0.01;
-// Pressing within this tangent of the direction tells nothing about the stiffness across: rounding
+// Pressing within this tangent of the direction shows nothing about the stiffness across: rounding
 // and noise of positions look the same.
 constexpr double kLeastSlope = 0.05;
 // Added to the diagonal of normal equations relative to their trace: far below the information of
@@ -96,7 +96,7 @@ Across across_forces(std::span<const PressedContact> contacts, const std::vector
     result.ratio = ratio;
     result.ratio_error = std::sqrt(covariance(3, 3));
   }
-  // What is left for the error of the force once the ratio is integrated out.
+  // The part that remains for the error of the force once the ratio is integrated out.
   const Eigen::Vector3d mixed = matrix.block<3, 1>(0, 3);
   result.bias.matrix = matrix.topLeftCorner<3, 3>() - mixed * mixed.transpose() / matrix(3, 3);
   result.bias.vector = vector.head<3>() - mixed * vector(3) / matrix(3, 3);
@@ -147,7 +147,7 @@ void weigh(std::span<const PressedContact> contacts, double hysteresis,
   }
 }
 
-// The way to the deepest point alone, from which hysteresis starts.
+// The path to the deepest point alone, from which hysteresis starts.
 std::vector<PressedContact> only_loading(std::span<const PressedContact> contacts) {
   std::vector<PressedContact> result(contacts.begin(), contacts.end());
   for (PressedContact& contact : result) {
@@ -204,7 +204,7 @@ PressingVariant choose_variant(std::span<const PressedContact> contacts,
                                              {true, true, false},
                                              {false, true, true},
                                              {true, true, true}}) {
-    // At fewer depths the intercepts do not tell late touches from soft places; heights may.
+    // At fewer depths the intercepts do not separate late touches from soft places; heights may.
     if ((height && !(heights > 0)) || (force && scales.depths < 2) ||
         (touch && !height && scales.depths < 3))
       continue;

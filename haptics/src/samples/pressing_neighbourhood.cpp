@@ -87,7 +87,7 @@ Spatial spatial_of(const Search& at, double spacing, double touch_variance) {
           .touch_variance = touch_variance * std::exp2(2 * at(3))};
 }
 
-// What the search for the covariance needs.
+// The data that the search for the covariance needs.
 struct Conditionals {
   const PressingData& all;
   bool finds_noise;

@@ -21,8 +21,8 @@ constexpr double kFirstTouchSpread = 0.05, kMostTouch = 0.3;
 // Standard deviations of the priors: of tau's mean, and of the error of the force relative to the
 // root mean square force. They are far wider than what is found.
 constexpr double kTouchPrior = 0.1, kBiasPrior = 0.5, kSlopePrior = 1, kMeanPrior = 1e3;
-// Steps of the search for the mean of tau and its slope, and its rounds: one in so many of the
-// variances. A step moves by at most so many of its size.
+// Steps of the search for the mean of tau and its slope; it follows each kNewtonRounds-th round of
+// the variances. A step moves by at most kMostNewtonSteps times its size.
 constexpr double kTouchStep = 0.01, kSlopeStep = 0.1, kMostNewtonSteps = 5;
 constexpr int kNewtonRounds = 3;
 // Start of the noise relative to the force scale, if the samples show none.

@@ -12,7 +12,7 @@
 
 namespace palpate::haptics {
 
-/// How the data of an acquisition vary along the surface.
+/// Variation of the data of an acquisition along the surface.
 struct Spatial {
   double length = 1;     // [mm]
   double nugget = 0;     // share of a coefficient's variance beside what varies smoothly
@@ -54,7 +54,7 @@ struct Squares {
   Squares& operator+=(const Squares& other);
 };
 
-/// What all steps of the estimate along the surface need.
+/// The data that all steps of the estimate along the surface need.
 struct PressingData {
   std::span<const CompressedPress> presses;
   std::span<const PressedContact> contacts;

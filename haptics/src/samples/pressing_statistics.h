@@ -22,7 +22,7 @@ using RowBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRo
 using Design = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRows, kMaxColumns>;
 
 /// The normal forces of a contact, rotated into the few directions that a polynomial with a
-/// constant can reach (QR); what is orthogonal to them tells only the noise.
+/// constant can reach (QR); the part orthogonal to them shows only the noise.
 struct CompressedPress {
   RowBlock powers;  ///< r x (degree + 1): what the powers 0 ... degree of zeta give
   Rows constant;    ///< r: what a constant force gives
@@ -33,10 +33,10 @@ struct CompressedPress {
   Eigen::RowVectorXd bias;  ///< how the parameters of the force's error enter the normal force
 };
 
-/// What is assumed of an acquisition.
+/// The assumptions about an acquisition.
 struct PressingVariant {
   int degree = 1;
-  bool force = false, touch = false, height = false;  ///< which offsets it has
+  bool force = false, touch = false, height = false;  ///< the offsets that it has
 };
 
 /// Information on the force's error from the forces across the pressing: x^T matrix x - 2 vector^T
@@ -91,7 +91,7 @@ void add_priors(const PressingVariant& variant, double force_scale, const BiasIn
 double newton_step(const std::function<double(double)>& loss, double step, double& at);
 
 /// Maximum likelihood of the variances and parameters by expectation and maximisation, as if
-/// contacts were independent draws. `noise`: [N] if told, otherwise 0.
+/// contacts were independent draws. `noise`: [N] if given, otherwise 0.
 [[nodiscard]] PressingState fit_population(std::span<const CompressedPress> presses,
                                            const PressingVariant& variant, double force_scale,
                                            double noise, const BiasInformation& bias);

@@ -25,7 +25,7 @@ std::map<long long, Group> group_samples(long long contact,
   return groups;
 }
 
-// Whether a sample makes a pair beside that of its group.
+// Returns true if a sample makes a pair beside that of its group.
 bool has_own_pair(const probing::Sample& sample) {
   return !sample.slipped && has_tangential_stage(sample);
 }
@@ -123,11 +123,11 @@ struct Level {
   Eigen::Vector3d at = Eigen::Vector3d::Zero();  // [mm] mean displacement
 };
 
-// Levels whose forces have at most this ratio tell the compliance between them.
+// Levels whose forces have at most this ratio give the compliance between them.
 constexpr double kOtherLevel = 0.8;
 
-// How the settled position changes with the normal force at a level [mm/N]: of the parabola through
-// it and the next levels below and above.
+// Derivative of the settled position by the normal force at a level [mm/N]: that of the parabola
+// through it and the next levels below and above.
 Eigen::Vector3d compliance_at(const Level& level, const std::vector<Level>& ascending) {
   Level below;  // without a force the tool is at the contact
   const Level* above = nullptr;

@@ -12,12 +12,12 @@ namespace palpate::haptics {
 /// A force that was applied several times: a group with the same normal force.
 struct RepeatedForce {
   double stiffness = 0;  ///< [N/mm] how the force changes with the settled position there
-  /// [N^2] of the difference between the recorded normal force and the one that the position tells
+  /// [N^2] of the difference between the recorded normal force and that from the position
   double variance = 0;
   int degrees_of_freedom = 0;
 };
 
-/// The groups of a contact whose positions tell the force, outliers left out (see `realign`).
+/// The groups of a contact whose positions give the force, without outliers (see `realign`).
 [[nodiscard]] std::vector<RepeatedForce> repeated_forces(const probing::Contact& contact,
                                                          std::span<const probing::Sample> samples);
 

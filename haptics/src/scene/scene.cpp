@@ -22,13 +22,13 @@ bool is_pose(const Eigen::Isometry3d& pose) {
   return pose.translation().allFinite() && is_rotation(pose.linear(), kRigid);
 }
 
-// Whether the way of a tool in a tick stays out of a ball. False for places that are not finite.
+// True if the path of a tool in a tick stays out of a ball; false for places that are not finite.
 bool passes(const Playback::Ball& ball, const Eigen::Vector3d& place, double moved) {
   const double nearest = ball.radius + moved;
   return (place - ball.center).squaredNorm() > nearest * nearest;
 }
 
-// Whether a tool touches, or its force is still on the way to zero after it has left
+// Returns true if a tool touches, or if its force is still decreasing to zero after it has left
 // (`PlaybackOptions::largest_jump`).
 bool has_force(const Command& command) {
   return command.state != ContactState::free || !command.force.isZero(0);

@@ -7,8 +7,8 @@
 
 namespace palpate::haptics {
 
-/// What a scene file may have, and each of its objects. `require` and `budget` are for those
-/// who make models (scene_requirement.h).
+/// The members that a scene file, and each of its objects, may have. `require` and `budget` are for
+/// those who make models (scene_requirement.h).
 inline const std::vector<std::string> kSceneMembers{
     "objects", "tools", "near_tools", "closest_tools", "fade_ticks", "rate", "budget"};
 inline const std::vector<std::string> kObjectMembers{"name", "model",    "pose",

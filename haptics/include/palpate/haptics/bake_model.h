@@ -8,7 +8,7 @@
 
 namespace palpate::haptics {
 
-/// Where and how hard to press a simulated object of which a model is computed, without an arm:
+/// Plans the presses on a simulated object of which a model is computed without an arm:
 /// `probing::plan_contacts` with levels from 5 % to 93 % of `max_force`. Above the highest there is
 /// room for a tangential force; a model whose levels end lower has to guess more of what is above.
 /// \throws InvalidInput as `probing::plan_contacts`.

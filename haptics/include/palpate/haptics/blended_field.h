@@ -86,7 +86,7 @@ class BlendedField {
   [[nodiscard]] Eigen::Matrix3d stiffness(const Blend& at,
                                           const Eigen::Vector3d& displacement) const noexcept;
 
-  /// [N] How far the force at a place may be off: the root of the expected squared length of its
+  /// [N] Standard error of the force at a place: the root of the expected squared length of its
   /// error. With the stiffness K_k and force f_k that contact k gives here, f = sum_k w_k f_k, and
   /// the contact's `ContactUncertainty` (force F, displacement D, across a, between b)
   ///
@@ -94,7 +94,7 @@ class BlendedField {
   ///       + kContrastError^2 |f|^2 sum_k w_k log^2 beta_k
   ///       + (sum_k w_k b_k^2) s^geometry::kErrorGrowth |f|^2
   ///
-  /// with Frobenius norms and s = `geometry::error_reach` along the surface. Nothing if a contact
+  /// with Frobenius norms and s = `geometry::error_reach` along the surface. Empty if a contact
   /// there has no uncertainty, or there is no contact. Beyond the displacements that were measured
   /// the error may be larger.
   [[nodiscard]] std::optional<double> deviation(const geometry::SurfacePoint& contact,

@@ -27,8 +27,8 @@ enum class BuildStage {
   fields     ///< fitting the force field of each contact
 };
 
-/// What is measured and how fields are fitted. The meaning, unit and range of the fields that users
-/// set stand in their list, `visit`, which docs/options.md shows.
+/// Options of `build_model`: what is measured and how fields are fitted. `visit` lists the meaning,
+/// unit and range of the fields that users set; docs/options.md shows this list.
 struct BuildOptions {
   FitOptions fit;  ///< `fit.noise.force` is not used: see `force_noise`
   /// For `force_noise` another than its own, its steady error changes in proportion. With 0.01 N
@@ -86,8 +86,8 @@ struct ContactReport {
   int friction_trials = 0;
 };
 
-/// Whether the fit of a contact can be used: its rms is finite and at most the largest force that
-/// was measured there. No force at all explains the measurements better than a fit beyond that.
+/// Returns true if the fit of a contact can be used: its rms is finite and at most the largest
+/// force measured there. Zero force everywhere explains the measurements better than a worse fit.
 [[nodiscard]] bool is_usable(const ContactReport& report);
 
 /// [0, 1] Share of the squared forces of all contacts that their fits explain.
@@ -136,13 +136,13 @@ struct BuildResult {
 /// Weights between contacts are linear along the edges of the surface. Edges that are longer than
 /// two thirds of the distance between contacts there are therefore split; the shape stays.
 ///
-/// Where all contacts were only pressed (no sample has a tangential stage), displacements lie along
+/// If all contacts were only pressed (no sample has a tangential stage), displacements lie along
 /// one direction, which is too little for a fit of its own. The fields then follow
-/// `estimate_pressing`, whose offsets are taken off and recorded in `Model::pressing_offsets`;
+/// `estimate_pressing`, whose offsets are subtracted and recorded in `Model::pressing_offsets`;
 /// errors refer to samples without the offsets.
 ///
-/// A ball in a soft object slips at larger forces than a point with the same friction. Where the
-/// acquisition says the radius of its probe, the errors and lower bounds of friction hold for the
+/// A ball in a soft object slips at larger forces than a point with the same friction. If the
+/// acquisition states the radius of its probe, the errors and lower bounds of friction hold for the
 /// material as well, unless `BuildOptions::friction.steady_error` is 0: trials of an exact cone.
 ///
 /// A normal points into the surface if the triangle there faces the other way, and so does most of

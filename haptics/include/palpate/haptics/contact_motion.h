@@ -17,10 +17,10 @@ struct TouchPoint {
   geometry::SurfacePoint at;                           ///< the same place as a surface point
 };
 
-/// What the search for the end of a slip begins with: how the last slip ended.
+/// The start of the search for the end of a slip: how the last slip ended.
 struct SlipMemory {
   double slope = 0;  ///< [N/mm] of |f_T| - mu f_N along the section; 0: none
-  /// [N/mm] How f_T beyond the friction cone changed with the contact, perpendicular to the
+  /// [N/mm] Derivative of f_T beyond the friction cone by the contact, perpendicular to the
   /// friction axis. Zero: the slip ended along the section.
   Eigen::Matrix3d in_plane = Eigen::Matrix3d::Zero();
 };

@@ -73,7 +73,7 @@ struct DrawnShapeOptions {
                                              const geometry::SurfacePoint& contact,
                                              const Eigen::Vector3d& displacement);
 
-/// Which surface is displayed while a tool touches a model with recorded surfaces.
+/// The rule for the displayed surface while a tool touches a model with recorded surfaces.
 enum class ShapeRule : std::uint8_t {
   blended,  ///< `measured_shape`: continuous, and the contact is at the tool
   nearest,  ///< `nearest_shape`: exactly what was recorded, elsewhere

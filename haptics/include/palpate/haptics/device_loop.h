@@ -18,10 +18,10 @@
 namespace palpate::haptics {
 
 struct DeviceLoopOptions {
-  /// Where the device's workspace lies in the object's frame.
+  /// Pose of the device's workspace in the object's frame.
   Eigen::Isometry3d T_world_device = Eigen::Isometry3d::Identity();
-  /// [mm/mm] of the object for one of the device; > 0. None: as the device declares. The force is
-  /// not scaled, so that the device feels the object's stiffness times the scale.
+  /// [mm/mm] of the object for one of the device; > 0. Default: as the device declares. The force
+  /// is not scaled, so that the device feels the object's stiffness times the scale.
   std::optional<double> scale = {};
   /// Bits of the buttons that clutch, besides those that the device declares.
   std::uint32_t clutch_buttons = 0;
@@ -29,7 +29,7 @@ struct DeviceLoopOptions {
   CouplingOptions coupling = {};
 };
 
-/// What the loop gets from a device in a tick.
+/// The input of the loop from a device in one tick.
 struct TickInput {
   double now = 0;          ///< [s] on the device's clock, after the read
   bool answered = true;    ///< the device gave a state
@@ -37,7 +37,7 @@ struct TickInput {
   probing::ArmState state = {};
 };
 
-/// What the loop computed in a tick.
+/// The output of the loop in one tick.
 struct TickOutput {
   SafeCommand command;                                ///< for the device, in the frame of its base
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();     ///< [mm] world, on the coupling's far side

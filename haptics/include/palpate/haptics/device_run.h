@@ -14,7 +14,7 @@
 
 namespace palpate::haptics {
 
-/// Another model from a moment on.
+/// A change of the model at a moment.
 struct ModelExchange {
   double time = 0;  ///< [s] on the device's clock since the first state
   std::shared_ptr<const Playback> model;
@@ -30,7 +30,7 @@ struct RunOptions {
   std::string session = {};                   ///< for the record
   std::vector<ModelExchange> exchanges = {};  ///< in the order of time
   /// Ticks in a row without a state, or with commands that are not taken, after which the device is
-  /// lost and the run ends; >= 1. A run whose duration is over while it counts them goes on.
+  /// lost and the run ends; >= 1. A run whose duration ends while it counts them continues.
   int most_unanswered = 100;
 };
 
@@ -46,7 +46,7 @@ struct RunReport {
   int exchanges = 0;
   std::string not_real_time = {};  ///< why SCHED_FIFO is not allowed; empty if it is, or not asked
   bool memory_locked = false;      ///< the process's memory, against page faults
-  std::string device_lost = {};    ///< in what way, if it is, with the device's words
+  std::string device_lost = {};    ///< how, and the device's reason; empty if it was not lost
 };
 
 /// Runs a `DeviceLoop` in a thread of its own. The loop neither allocates, locks, throws nor logs.
@@ -71,8 +71,8 @@ class DeviceRun {
   /// Asks the loop to end. Any thread.
   void stop() noexcept;
   [[nodiscard]] bool done() const noexcept;
-  /// Waits for the end. \throws OutputError if the record is not complete; the report can then be
-  /// had by another call.
+  /// Waits for the end. \throws OutputError if the record is not complete; another call then
+  /// returns the report.
   [[nodiscard]] RunReport finish();
 
  private:

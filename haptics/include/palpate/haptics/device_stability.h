@@ -10,9 +10,9 @@
 
 namespace palpate::haptics {
 
-/// [N/mm] How stiff a model is: of each contact the largest eigenvalue of its stiffness, over
-/// displacements into the object, straight and by 45 degrees to eight sides, up to a force. Of one
-/// that depends on the rate it is that of sudden motions, which an unstable loop makes.
+/// [N/mm] Stiffness of a model: of each contact the largest eigenvalue of its stiffness, over
+/// displacements into the object, straight and by 45 degrees to eight sides, up to a force. If the
+/// model depends on the rate, it is that of sudden motions, which an unstable loop makes.
 struct ModelStiffness {
   double median = 0;
   double largest = 0;
@@ -23,14 +23,14 @@ struct ModelStiffness {
 /// \throws InvalidInput if `check_model` throws or the force is not > 0.
 [[nodiscard]] ModelStiffness model_stiffness(const Model& model, double highest_force = 3.3);
 
-/// Whether a hand that presses with 1 N on a wall of this stiffness [N/mm] comes to rest: in the
-/// last eighth of twelve of the hand's decay times (at least 1 s) it goes to and fro less than half
-/// as much as in the second eighth, or by less than three steps of the encoder.
+/// Returns true if a hand that presses with 1 N on a wall of this stiffness [N/mm] comes to rest:
+/// in the last eighth of twelve decay times of the hand (at least 1 s) it swings less than half as
+/// much as in the second eighth, or by less than three steps of the encoder.
 /// \throws InvalidInput on an option outside its range, or a stiffness that is not > 0.
 [[nodiscard]] bool presses_calmly(const HandOptions& hand, const CouplingOptions& coupling,
                                   double stiffness);
 
-/// [N/mm] The stiffest wall on which `presses_calmly`, between 1e-3 and 1e3, to 1 %.
+/// [N/mm] The stiffest wall on which `presses_calmly` returns true, from 1e-3 to 1e3, to 1 %.
 [[nodiscard]] double largest_calm_stiffness(const HandOptions& hand,
                                             const CouplingOptions& coupling);
 

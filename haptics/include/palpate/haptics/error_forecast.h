@@ -14,8 +14,8 @@ namespace palpate::haptics {
 /// Tells how large the error of a model of the same object would be with other contacts.
 ///
 /// The error is the one that the model states (`BlendedField::deviation`), as a root mean square
-/// over the ends of random strokes, as many as choose in `reduce_model`. Its parts change with the
-/// contacts:
+/// over the ends of random strokes, as many as `reduce_model` chooses with. Its parts change with
+/// the contacts:
 /// - the errors of the contacts themselves stay the same;
 /// - the part that grows with the distance to the contacts takes the distances to the new ones;
 /// - the part from the contrast of compliances, which is proportional to their squared difference,

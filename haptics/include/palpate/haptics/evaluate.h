@@ -28,10 +28,10 @@ struct Query {
 /// \throws FileError naming the line and column, or if there is no row.
 [[nodiscard]] std::vector<Query> read_queries(const std::filesystem::path& path);
 
-/// How the errors compare with those that a model states (`BlendedField::deviation`).
+/// Comparison of the errors with those that a model states (`BlendedField::deviation`).
 struct StatedErrors {
   double rms = 0;  ///< [N] root mean square of the stated errors
-  /// Root mean square of the errors, each relative to the stated one: 1 if they are stated rightly
+  /// RMS of the errors, each relative to the stated one: 1 if they are stated correctly
   double ratio = 0;
 };
 
@@ -46,7 +46,7 @@ struct QueryErrors {
   /// if all forces are zero.
   std::optional<double> explained = std::nullopt;
   /// Factor of the model's forces with which the errors would be least, and the share explained
-  /// then: a factor far from 1 with a large share tells that the queries have other signs or units.
+  /// then: a factor far from 1 with a large share means that the queries have other signs or units.
   /// None where `explained` is none, or if all forces of the model are zero.
   std::optional<double> scale = std::nullopt;
   std::optional<double> explained_if_scaled = std::nullopt;
@@ -113,13 +113,13 @@ struct LeaveOneOutOptions {
 void visit(LeaveOneOutOptions& options, FieldVisitor& visitor);
 
 /// Predicts the samples of each contact from the other contacts (thesis 5.3.3) and compares the
-/// prediction with the measurement. Where the model depends on the rate, its part of the measured
-/// forces, by the contact's own field, is taken off first. For each contact, the others
-/// are triangulated without it, as `LeftOutModels` says, and their compliances or strengths are
-/// learnt again. What all contacts were estimated with together stays: the offsets and the noise of
-/// contacts that were only pressed and how far their curves were smoothed, and the stated errors
-/// between contacts. Errors are therefore somewhat smaller than those of a model that was fitted
-/// without the contact.
+/// prediction with the measurement. If the model depends on the rate, its part of the measured
+/// forces, by the contact's own field, is subtracted first. For each contact, the others are
+/// triangulated without it, as in `LeftOutModels`, and their compliances or strengths are learnt
+/// again. Values estimated from all contacts together stay: the offsets, the noise and the
+/// smoothing of curves of contacts that were only pressed, and the stated errors between contacts.
+/// Errors are therefore somewhat smaller than those of a model that was fitted without the
+/// contact.
 ///
 /// \throws InvalidInput if a contact of the model is missing, at another place or without samples
 /// in the acquisition, if the model was fitted to other samples or does not say to which (it was

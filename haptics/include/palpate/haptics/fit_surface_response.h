@@ -14,7 +14,7 @@ namespace palpate::haptics {
 struct RecordedShape {
   std::size_t contact = 0;                                 ///< index in `Model::contacts`
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< [mm] of the contact, in the world
-  /// [mm] 3 x V: where the vertices of the model's surface are; those that a camera did not see
+  /// [mm] 3 x V: positions of the vertices of the model's surface; those that a camera did not see
   /// must be filled in, as `palpate track` does.
   Eigen::Matrix3Xd vertices;
 };
@@ -26,19 +26,19 @@ struct SurfaceResponseOptions {
 };
 
 /// Learns how the surface follows the tool (`SurfaceResponse`). At each contact, the dent k(d)
-/// minimises the squares of the components along delta of what the vertices move otherwise, over
-/// all shapes; it reaches two distances between contacts. Then B_n of node n minimises
+/// minimises the sum of squares, over all shapes, of the remaining motion of the vertices along
+/// delta; it reaches two distances between contacts. Then B_n of node n minimises
 ///
 ///     sum_k |u_nk - B_n delta_k|^2 + p sum_k |delta_k|^2 |B_n - b_n I|^2
 ///
-/// over the shapes k of the contact, with what the node moves beside the dent, u_nk, the
+/// over the shapes k of the contact, with the motion u_nk of the node beside the dent, the
 /// displacement delta_k, p = 1e-3, and the scalar b_n that fits best: it decides along directions
-/// in which nothing was displaced. The result states its errors at all vertices of all shapes.
-/// \param shape the k-th of `count` recorded shapes; each is asked for twice, so that not all must
-/// be in memory. One that is not displaced tells nothing but the error.
+/// without any displacement. The result states its errors at all vertices of all shapes.
+/// \param shape the k-th of `count` recorded shapes; each is requested twice, so that not all must
+/// be in memory. A shape without displacement contributes only to the error.
 /// \throws InvalidInput if `count` is 0, a shape has another number of vertices, a contact that
 /// does not exist or a number that is not finite (naming the shape), if no shape is displaced, or
-/// an option is outside its range. What `shape` throws passes through.
+/// an option is outside its range. Exceptions of `shape` pass through.
 [[nodiscard]] SurfaceResponse fit_surface_response(
     const Model& model, std::size_t count, const std::function<RecordedShape(std::size_t)>& shape,
     const SurfaceResponseOptions& options = {});

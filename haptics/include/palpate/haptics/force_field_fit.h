@@ -34,7 +34,7 @@ struct FitOptions {
   /// With `convex`: if noise does not explain the errors, also try convex fields with fewer bases
   /// and a certified one, and return the field that predicts best. Slow in trials.
   bool try_certified = true;
-  /// Do so even if noise explains the errors. For computed pairs: what they have beyond any field,
+  /// Do so even if noise explains the errors. For computed pairs: their deviation from any field,
   /// because their force depends on the path of the tool, exceeds their noise, and a few pairs do
   /// not show it.
   bool compare_always = false;
@@ -46,7 +46,7 @@ struct FitOptions {
   /// [mm] > 0, epsilon of all bases. Default: fitted for each base, starting from the root mean
   /// square of the displacements. Not allowed with `convex`, which chooses its own.
   std::optional<double> epsilon = std::nullopt;
-  /// With `convex`: what is expected of the stiffness [N/mm] where the displacements show none;
+  /// With `convex`: the expected stiffness [N/mm] where the displacements show none;
   /// symmetric, positive semi-definite. Only its ratios between directions count. Default: that of
   /// a half-space pressed along the largest displacements.
   std::optional<Eigen::Matrix3d> expected_stiffness = std::nullopt;
@@ -64,7 +64,7 @@ inline constexpr double kEvaluationCost = 0.01;
 /// per cent, so twice its variance is beyond that.
 inline constexpr double kMaxChi2 = 2;
 
-/// A contact counts as rigid iff the root mean square of its displacements is at most this many
+/// A contact counts as rigid if the root mean square of its displacements is at most this many
 /// times their noise. Its stiffness is limited to the value that would cause this displacement.
 inline constexpr double kRigidRatio = 3;
 
@@ -106,7 +106,7 @@ struct FitResult {
   /// Directions, of three, in which the displacements show no stiffness: the field has an expected
   /// one there.
   int unmeasured = 0;
-  /// Whether it was fitted to a local part that contacts share as well as to its own samples
+  /// True if it was fitted to a local part that contacts share as well as to its own samples
   /// (`shared_local_part.h`).
   bool shared_local = false;
 };
@@ -123,16 +123,16 @@ struct FitResult {
 /// improves. The error of sample i has the covariance force^2 I + displacement^2 K K^T of the
 /// noise, with the stiffness K there, and a robust loss (Cauchy).
 ///
-/// If noise does not explain the errors, the samples have what no field has, and a field with many
-/// bases follows them, but errs between them. Therefore convex fits that assume 1, 3 and 9 times
-/// the noise predict pairs that are left out, a fifth at a time. The best one is returned, or a
-/// certified field if its error there, by generalised cross-validation, is less. That error counts
-/// as many times more as the field's force between rest and the pairs exceeds all measured ones.
+/// If noise does not explain the errors, the samples have features that no field has, and a field
+/// with many bases follows them, but errs between them. Therefore convex fits that assume 1, 3 and
+/// 9 times the noise predict pairs that are left out, a fifth at a time. Returns the best one, or a
+/// certified field if its error, by generalised cross-validation, is less. This error is multiplied
+/// by the ratio of the field's largest force between rest and the pairs to the measured one.
 ///
-/// Where displacements lie in a plane or along a line, up to their noise, and the forces across are
-/// no more than those along explain, `convex` takes their deviations for noise and the stiffness
-/// across from `expected_stiffness`, scaled to what the other directions show: noise divided by
-/// noise is no stiffness.
+/// If displacements lie in a plane or along a line, up to their noise, and the forces across are no
+/// more than those along explain, `convex` treats the deviations as noise and takes the stiffness
+/// across from `expected_stiffness`, scaled to that of the other directions: noise divided by noise
+/// is no stiffness.
 ///
 /// If the samples do not determine epsilon, it is about half the extent of the displacements;
 /// otherwise a staircase through the levels of force would fit as well. A ridge beyond all samples

@@ -25,8 +25,8 @@ enum class FrictionAxisStop {
 /// Name of a value: "converged", "too_few_pairs", ...
 [[nodiscard]] const char* to_string(FrictionAxisStop stop);
 
-/// The friction axis N_f of one contact (thesis 5.4.2). `axis` and `error` are there iff `stop` is
-/// `converged` or `uncertain`.
+/// The friction axis N_f of one contact (thesis 5.4.2). `axis` and `error` have values if and only
+/// if `stop` is `converged` or `uncertain`.
 struct FrictionAxisFit {
   std::optional<Eigen::Vector3d> axis = std::nullopt;  ///< unit vector, into the object
   /// [rad] standard error of the axis: root mean square of the angle to the true one. Deviations

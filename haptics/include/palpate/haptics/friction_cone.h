@@ -26,8 +26,8 @@ struct FrictionOptions {
   /// all trials of a contact: friction of joints, an offset of the sensor, slips that are noticed
   /// late because the tip is round. It widens the standard error and lowers the bound; >= 0
   double steady_error = 0;
-  /// What is known of the cone beforehand, where directions were not searched; its force noise is
-  /// not used.
+  /// Prior knowledge of the cone, used if directions were not searched. Its force noise is not
+  /// used.
   probing::ConePrior prior = {};
   /// The coefficient and its bound are those at `load.force`. The fit bends the forces of the
   /// trials so that the boundary becomes a cone: f_N becomes f_N (f_N / force)^exponent.
@@ -81,10 +81,10 @@ struct FrictionFit {
 /// The lower bound comes from the profile likelihood over axes; if nothing slipped, it is the
 /// narrowest cone with which all trials would have held with a probability of 5 %.
 ///
-/// Where the arm searched no direction, but tried at most two forces in most of them, as a campaign
+/// If the arm searched no direction, but tried at most two forces in most of them, as a campaign
 /// with pooled friction does (probing/campaign.h), the likelihood has no peak. The cone is then the
 /// mean of `probing::ConePosterior`, its errors and the lower bound are those of that distribution,
-/// and it is determined iff its coefficient is known to a tenth.
+/// and it is determined if its coefficient is known to a tenth.
 /// \param normal outward geometric normal of the surface, along which the arm pressed.
 /// \throws InvalidInput if a force is not finite (naming its index), the normal has zero length, or
 /// the option is not > 0.
@@ -92,7 +92,7 @@ struct FrictionFit {
                                        const Eigen::Vector3d& normal,
                                        const FrictionOptions& options = {});
 
-/// A trial contradicts a cone iff it held outside or slipped inside, further from the boundary than
+/// A trial contradicts a cone if it held outside or slipped inside, further from the boundary than
 /// this share of its force: bisections end nearer to it.
 inline constexpr double kContradictingDistance = 0.1;
 

@@ -6,14 +6,14 @@
 
 namespace palpate::haptics {
 
-/// How friction coefficients depend on the normal force f_N along the cone's axis: by the factor
+/// Dependence of friction coefficients on the normal force f_N along the cone's axis: the factor
 /// (f_N / force)^exponent (`friction_limit`).
 struct FrictionLoad {
   double exponent = 0;  ///< 0: not at all; in [-0.5, 0.5]
   double force = 1;     ///< [N] at which the coefficients hold; > 0
 };
 
-/// What trials told of it.
+/// A load dependence estimated from trials.
 struct FrictionLoadEstimate {
   FrictionLoad load;
   double exponent_error = 0;  ///< standard error

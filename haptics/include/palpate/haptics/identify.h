@@ -20,7 +20,7 @@ struct IdentifyOptions {
   std::optional<double> displacement_noise = std::nullopt;
   std::optional<double> force_noise = std::nullopt;
   double max_chi2 = 2;  ///< 2 allows for a noise that is known to 40 %
-  /// Where the noise is estimated, chi^2 alone says little: groups that mix several normal forces
+  /// If the noise is estimated, chi^2 alone says little: groups that mix several normal forces
   /// scatter, and a model that explains nothing agrees with such a noise.
   double min_explained = 0.9;
 };
@@ -58,7 +58,7 @@ struct ContactAgreement {
   int outliers = 0;  ///< pairs that are excluded from chi^2
 };
 
-/// How well a parametric model agrees with an acquisition.
+/// Agreement of a parametric model with an acquisition.
 struct Identification {
   std::vector<ParameterEstimate> parameters;
   /// Of the errors of two parameters, as many rows and columns as parameters; NaN where one is not
@@ -82,15 +82,15 @@ struct Identification {
 // noise s_d, the force noise s_f and the model's compliance C = dd/df. The mean of each group's
 // positions `a` has an error that moves the whole group; it is subtracted from the other pairs.
 //
-// A tool that holds near the friction boundary shows that its force was inside by chance. What this
-// shifts the force on average follows from the noise and the friction cone of each contact; the
-// share of it that acts on the displacement is estimated with the parameters.
+// If a tool holds near the friction boundary, its force was inside by chance. The mean shift of the
+// force due to this follows from the noise and the friction cone of each contact; the share of it
+// that acts on the displacement is estimated with the parameters.
 //
 // The solver is Levenberg-Marquardt with bounds; S is updated until the parameters converge.
 // Standard errors are those of the linearised problem. A parameter is not determined if changing it
 // by its own size, alone or with others, changes the data by less than three deviations; the errors
-// of the others then allow for a change by its size. The result
-// does not depend on unit, frame or the order of samples.
+// of the others then allow for a change by its size. The result does not depend on unit, frame or
+// the order of samples.
 //
 // Both throw InvalidInput if an option is outside its range or there is no sample; SolverError if
 // no parameters give every sample an equilibrium.

@@ -27,14 +27,14 @@ struct SolidOptions {
 void visit(SolidOptions& options, FieldVisitor& visitor);
 
 struct IdentifiedSolid {
-  /// As given, with the material, the moves of supports and the friction that were found. What
-  /// the data do not determine is as given; a shear modulus, times the factor of all others.
+  /// The object as given, with the estimated material, moves of supports and friction. Values that
+  /// the data do not determine stay; a shear modulus is multiplied by the factor of all others.
   probing::FiniteElementObject object;
   /// "shear modulus" (or "shear modulus of region 0", ...), "bulk over shear modulus" and, if
   /// supports move, "pre-stretch"; then "friction", which has no part in `correlations`
   Identification report;
-  /// By how much the mesh makes each parameter of the report wrong, in its unit; corrected. NaN:
-  /// not known.
+  /// Error of each parameter of the report due to the mesh, in its unit; corrected. NaN: not
+  /// known.
   std::vector<double> mesh_errors;
   /// Parameters that the measurements would determine, but not with the error of this mesh.
   std::vector<std::string> mesh_limited;
@@ -45,8 +45,8 @@ struct IdentifiedSolid {
   int unanswered = 0;
 };
 
-/// Estimates the material of a solid whose geometry, supports and regions are known, from where a
-/// ball was displaced by which force.
+/// Estimates the material of a solid whose geometry, supports and regions are known, from measured
+/// displacements of a ball and their forces.
 ///
 /// The displacement of a contact under a force is that of `ContactEquilibrium`; the ball comes
 /// along the contact's normal. Parameters are the shear modulus of each region; one bulk modulus,
@@ -56,11 +56,11 @@ struct IdentifiedSolid {
 /// factored tangents (`ContactEquilibrium::sensitivity`).
 ///
 /// Displacements on a mesh are off by some per cent, and pairs of a contact share this error. Some
-/// pairs, with large and small forces, are therefore repeated on a mesh of half the size. What the
-/// difference does to each parameter is corrected and has its part in the standard error; a
-/// parameter that it changes by about a third or more is not determined, and `object` has what fits
-/// best. The scatter that remains has its part in the weights, and standard errors are at least
-/// those that the scatter of contacts shows.
+/// pairs, with large and small forces, are therefore repeated on a mesh of half the size. The
+/// effect of the difference on each parameter is corrected and contributes to the standard error; a
+/// parameter that changes by about a third or more is not determined, and `object` has the best
+/// fit. The remaining scatter contributes to the weights, and standard errors are at least those
+/// that the scatter of contacts shows.
 ///
 /// The friction is the mean of the coefficients of contacts where their cone is determined. A round
 /// tip slides at a larger force than a point, see docs/probing-validation.md.

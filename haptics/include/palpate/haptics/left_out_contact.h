@@ -33,7 +33,7 @@ class LeftOutModels {
   geometry::LeftOutTriangulations triangulations_;
 };
 
-/// Which contacts lie at the border of the triangulation of contacts: on an edge of one triangle
+/// Marks the contacts at the border of the triangulation of contacts: on an edge of one triangle
 /// only. In the order of the model's contacts.
 [[nodiscard]] std::vector<bool> border_contacts(const Model& model);
 

@@ -42,13 +42,13 @@ struct TickRecord {
 /// writes them.
 class LoopRecorder {
  public:
-  /// \param session what a replay must know besides, as text.
+  /// \param session further text that a replay needs.
   /// \throws OutputError if the file cannot be written.
   LoopRecorder(const std::filesystem::path& path, const probing::ArmDescription& device,
                const DeviceLoopOptions& options, const std::string& session = {});
   ~LoopRecorder();
 
-  /// False if the writer is so far behind that the tick is lost. Real-time safe; one thread.
+  /// Returns false if the writer is so late that the tick is lost. Real-time safe; one thread.
   bool put(const TickRecord& tick) noexcept;
   /// Waits until there is room: for loops that are not in real time.
   void wait_for_room() const;
@@ -72,14 +72,14 @@ struct LoopRecord {
 /// \throws FileError if the file is no record, or of another version.
 [[nodiscard]] LoopRecord read_loop_record(const std::filesystem::path& path);
 
-/// How a replay compares with its record.
+/// Comparison of a replay with its record.
 struct LoopReplay {
   long long ticks = 0;
   long long different = 0;         ///< ticks whose command or contact differs in any bit
   long long first_different = -1;  ///< its number from 0; -1 for none
 };
 
-/// Computes a record again from what the loop read.
+/// Replays a record from the input that the loop read.
 /// \param models as they were exchanged: one more than the record has exchanges.
 /// \throws InvalidInput if there are fewer.
 [[nodiscard]] LoopReplay replay(const LoopRecord& record, std::span<const Playback* const> models);

@@ -21,7 +21,7 @@
 
 namespace palpate::haptics {
 
-/// Where a friction coefficient comes from.
+/// The source of a friction coefficient.
 enum class FrictionSource {
   samples,         ///< a cone fitted to this contact's own samples
   other_contacts,  ///< the contact's samples determine none: the mean of the contacts that have one
@@ -31,8 +31,8 @@ enum class FrictionSource {
   lower_bound
 };
 
-/// How a contact yields to the model's reference force F along a direction into the object, and how
-/// this changes around it on the surface. The contact's pressing frame is its local frame turned by
+/// Response of a contact to the model's reference force F along a direction into the object, and
+/// its change around it on the surface. The contact's pressing frame is its local frame turned by
 /// the smallest rotation that turns the z axis into that direction.
 struct ContactCompliance {
   /// Unit vector in the contact's local frame: the mean inward normal of the surface around it.
@@ -49,7 +49,7 @@ struct ContactCompliance {
   friend bool operator==(const ContactCompliance&, const ContactCompliance&) = default;
 };
 
-/// How strongly a contact resists a press, and how this changes around it on the surface.
+/// Resistance of a contact to a press, and its change around it on the surface.
 struct ContactStrength {
   /// [N] >= 0, the mean force along the local z axis of a press to the model's reference depth.
   double value = 0;
@@ -60,13 +60,13 @@ struct ContactStrength {
   friend bool operator==(const ContactStrength&, const ContactStrength&) = default;
 };
 
-/// What neighbouring contacts give to a place between them.
+/// The quantity that a place between contacts takes from its neighbours.
 enum class BlendRule {
   forces,      ///< their forces at the same displacement (Eq 5.10), scaled to the place's strength
   compliances  ///< their forces at displacements that fit the compliance of the place
 };
 
-/// How forces between the contacts are computed (see `BlendedField`).
+/// The interpolation of forces between contacts (see `BlendedField`).
 struct Interpolation {
   BlendRule rule = BlendRule::forces;
   double reference_force = 0;  ///< [N] F of the contacts' compliances; > 0 with `compliances`
@@ -76,14 +76,14 @@ struct Interpolation {
   friend bool operator==(const Interpolation&, const Interpolation&) = default;
 };
 
-/// How far the forces of a contact, and those between it and its neighbours, may be off: what
-/// `BlendedField::deviation` is computed from. All are >= 0.
+/// Uncertainty of the forces of a contact, and of those between it and its neighbours, from which
+/// `BlendedField::deviation` is computed. All are >= 0.
 struct ContactUncertainty {
   double force = 0;         ///< [N] of the force vector, whatever the displacement
   double displacement = 0;  ///< [mm] of each component; it acts through the stiffness
   double across = 0;   ///< of the force across the contact's z axis, relative to that force: the
                        ///< stiffness across was not measured
-  double between = 0;  ///< [mm^-1.25] what the neighbours cannot tell, relative to the force
+  double between = 0;  ///< [mm^-1.25] unknown to the neighbours, relative to the force
 
   friend bool operator==(const ContactUncertainty&, const ContactUncertainty&) = default;
 };
@@ -96,7 +96,7 @@ struct MeasurementNoise {
   friend bool operator==(const MeasurementNoise&, const MeasurementNoise&) = default;
 };
 
-/// What was learnt at one contact.
+/// The model of one contact.
 struct ContactModel {
   long long id = 0;                                    ///< as in the acquisition
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm] on the undeformed surface, world
@@ -107,8 +107,8 @@ struct ContactModel {
   /// Coefficient; >= 0. With a load exponent it is that under the normal force
   /// `Model::friction_force`.
   double friction = 0;
-  /// How the coefficient depends on the normal force f_N: friction (f_N / friction_force)^exponent.
-  /// 0: not at all. In [-0.5, 0.5].
+  /// Exponent of the dependence of the coefficient on the normal force f_N: it is
+  /// friction (f_N / friction_force)^exponent. 0: none. In [-0.5, 0.5].
   double load_exponent = 0;
   /// Standard error of the coefficient, or its standard deviation among the contacts that it is the
   /// mean of; >= 0. A lower bound has none.
@@ -126,9 +126,9 @@ struct ContactModel {
   std::optional<ContactStrength> strength = {};
   int samples = 0;  ///< pairs of displacement and force that the field was fitted to
   double rms = 0;   ///< [N] sqrt(mean |error|^2) of the field on them
-  // What the fit reported (see FitResult); nullopt where it is not known.
+  // Results of the fit (see FitResult); nullopt if not known.
   std::optional<FitStop> fit_stop = {};     ///< how the fit ended
-  std::optional<FitMode> fit_mode = {};     ///< what the fit promises
+  std::optional<FitMode> fit_mode = {};     ///< the guarantee that the fit gives
   std::optional<Passivity> passivity = {};  ///< of the field over the reach of its samples
   std::optional<double> chi2 = {};          ///< per degree of freedom; >= 0
   std::optional<double> noise_floor = {};   ///< [N] the rms that noise alone makes; >= 0
@@ -154,25 +154,25 @@ struct Model {
   std::optional<double> probe_radius = {};
   /// [N] Normal force for which the friction coefficients hold; > 0 if any has a load exponent.
   double friction_force = 0;
-  /// How forces depend on the rate, at all contacts alike (rate_law.h): at most two terms. Empty:
-  /// not at all. The fields give the force that stays.
+  /// Dependence of forces on the rate, the same at all contacts (rate_law.h): at most two terms.
+  /// Empty: none. The fields give the force that stays.
   std::vector<RateTerm> rate;
   std::optional<MeasurementNoise> noise = {};  ///< none: not known
-  /// How the whole surface follows the tool, for display; none: no surfaces were recorded.
+  /// Response of the whole surface to the tool, for display; none: no surfaces were recorded.
   std::optional<SurfaceResponse> response = {};
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   /// `probing::fingerprint` of the acquisition that the model was fitted to; none: it was fitted to
   /// no acquisition, or it was scaled, transferred or merged since.
   std::optional<std::string> samples_fingerprint = {};
-  /// What was taken off the records of that acquisition, in its frame; none: not all of its
+  /// Offsets subtracted from the records of that acquisition, in its frame; none if not all of its
   /// contacts were only pressed. `hysteresis` < 1.
   std::optional<PressingOffsets> pressing_offsets = {};
-  /// How: sources, options, program; UTF-8. For people: nothing is computed from it.
+  /// Origin: sources, options, program; UTF-8. For people: nothing is computed from it.
   std::map<std::string, std::string> made;
 };
 
-/// A frame is orthonormal and an axis is a unit vector iff no entry of F^T F, or of its length, is
+/// A frame is orthonormal and an axis is a unit vector if no entry of F^T F, or of its length, is
 /// further from that than this. 1e-9: rounding of some operations and of 12 printed digits.
 inline constexpr double kFrameTolerance = 1e-9;
 
@@ -184,7 +184,7 @@ inline constexpr double kFrameTolerance = 1e-9;
 /// \throws InvalidInput naming the contact or triangle, what is wrong and what would be right.
 void check_model(const Model& model);
 
-/// Whether nothing is known of a contact's friction: its source is `none`, the coefficient 0.
+/// Returns true if a contact's friction is unknown: its source is `none`, the coefficient 0.
 [[nodiscard]] bool has_unknown_friction(const ContactModel& contact);
 /// Number of contacts whose friction is unknown.
 [[nodiscard]] int unknown_friction_count(const Model& model);

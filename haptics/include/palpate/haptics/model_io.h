@@ -11,7 +11,7 @@
 
 namespace palpate::haptics {
 
-/// How a field document is written: as text in `field.json`, or in CBOR in `field.cbor`.
+/// The encoding of a field document: text in `field.json`, or CBOR in `field.cbor`.
 enum class ModelEncoding { json, cbor };
 
 /// A model of at most this many contacts is written as JSON unless the caller chooses. The file has

@@ -21,7 +21,7 @@ struct alignas(32) Lanes {
 /// made it, and may be passed to it again for the next place, which is then faster if the same
 /// contacts have weight there.
 struct PlaceField {
-  /// What a contact contributes to any place: 63 numbers (`packed_field.cpp` lists them).
+  /// The contribution of a contact to any place: 63 numbers (`packed_field.cpp` lists them).
   static constexpr int kConstants = 63;
   static constexpr int kPacks = 3;  ///< of four contacts: `ContactWeights::kMaxCount` fits
 
@@ -49,10 +49,10 @@ struct FieldForce {
 
 /// A `BlendedField` for real-time loops: the same forces to 1e-11 N, in about a fifth of the time.
 ///
-/// Contacts and bases are computed four at a time, with AVX2 where the processor has it; both ways
-/// give the same bits. What does not depend on the displacement is kept in a `PlaceField`. Places
-/// where the closed form does not hold (`BlendRule::forces`, a contact without compliance, inward
-/// normals nearly opposite) are blended by `BlendedField`. Thread-safe; real-time safe after
+/// Contacts and bases are computed four at a time, with AVX2 if the processor has it; both ways
+/// give the same bits. The part that does not depend on the displacement is kept in a `PlaceField`.
+/// If the closed form does not hold at a place (`BlendRule::forces`, a contact without compliance,
+/// nearly opposite inward normals), `BlendedField` blends it. Thread-safe; real-time safe after
 /// construction.
 class PackedField {
  public:
@@ -72,7 +72,7 @@ class PackedField {
   [[nodiscard]] FieldForce force(const PlaceField& place, const Eigen::Vector3d& displacement,
                                  const DelayedDisplacements& delayed) const noexcept;
 
-  /// How forces depend on the rate; empty if they do not.
+  /// Dependence of forces on the rate; empty if there is none.
   [[nodiscard]] std::span<const RateTerm> rate() const noexcept { return rate_; }
 
   [[nodiscard]] std::uint64_t id() const noexcept { return id_; }
@@ -88,7 +88,7 @@ class PackedField {
     Lanes weight, squared_epsilon, offset;
     std::array<Lanes, 3> ridge;
   };
-  /// Where the bases of a contact stand, in groups of four.
+  /// The range of the bases of a contact, in groups of four.
   struct BaseRange {
     int first_isotropic = 0, isotropic_end = 0, first_ridge = 0, ridge_end = 0;
   };

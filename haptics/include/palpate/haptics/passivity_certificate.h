@@ -66,7 +66,7 @@ struct PassivityCertificate {
                                                      const ReachableVolume& volume,
                                                      const CertificateOptions& options = {});
 
-/// Whether the field is passive: `convex` or `certified`.
+/// Returns true if the field is passive: `convex` or `certified`.
 [[nodiscard]] bool is_passive(const PassivityCertificate& certificate);
 
 /// Name for reports: "convex", "certified", ...

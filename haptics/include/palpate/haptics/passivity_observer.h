@@ -8,7 +8,7 @@
 
 namespace palpate::haptics {
 
-/// What a user got from a device beyond what he put in (Hannaford and Ryu 2002).
+/// The energy that a user got from a device minus the energy put in (Hannaford and Ryu 2002).
 struct GivenEnergy {
   double now = 0;      ///< [N mm] work of the device on the user since it last had no force
   double largest = 0;  ///< [N mm] >= 0, of `now`

@@ -16,7 +16,7 @@ namespace palpate::haptics {
 struct ObjectNeeds {
   std::string name;              ///< for messages
   const Model* model = nullptr;  ///< of this object, or of a similar one
-  ReduceOptions options;         ///< what is needed of its model
+  ReduceOptions options;         ///< requirements on its model
   /// [mm] Places for contacts on the model's surface, in an order of which each beginning covers
   /// the surface evenly, such as that of `probing::plan_contacts`. At least three.
   std::vector<Eigen::Vector3d> places;
@@ -24,15 +24,15 @@ struct ObjectNeeds {
   std::optional<double> arm_time = std::nullopt;  ///< [s] for this object; > 0
 };
 
-/// What a number of contacts gives, and what it costs.
+/// The error that a number of contacts gives, and its cost.
 struct PlannedContacts {
   int contacts = 0;
-  double error = 0;     ///< [N] as `ErrorForecast` tells
+  double error = 0;     ///< [N] by `ErrorForecast`
   double arm_time = 0;  ///< [s]
   double size = 0;      ///< [bytes] of the model folder, before it is reduced
 };
 
-/// What decides the number of contacts.
+/// The requirement that decides the number of contacts.
 enum class PlanLimit {
   none,         ///< nothing is required: as many contacts as the model has
   force_error,  ///< the allowed error
@@ -43,20 +43,20 @@ enum class PlanLimit {
 /// "none", "force_error", "arm_time", "scene_time", "places".
 [[nodiscard]] const char* to_string(PlanLimit limit);
 
-/// How an object should be measured.
+/// The plan for measuring an object.
 struct ObjectPlan {
   PlannedContacts present;             ///< as the model is
   PlannedContacts planned;             ///< the fewest contacts that meet the requirements
   PlannedContacts with_more;           ///< with an hour of the arm more than planned
-  bool is_reduced = false;             ///< whether less than the whole model is needed
+  bool is_reduced = false;             ///< true if less than the whole model is needed
   std::optional<double> asked = {};    ///< [N] the allowed error
-  std::optional<double> allowed = {};  ///< [N] what is planned for: less if the model is reduced
+  std::optional<double> allowed = {};  ///< [N] the error planned for: less if the model is reduced
   double raised = 1;  ///< how many times larger the planned error is than `allowed`; >= 1
   PlanLimit limit = PlanLimit::none;
   double of_contacts = 0;              ///< [N] the error that no further contact removes
   std::vector<PlannedContacts> curve;  ///< of other numbers of contacts, ascending
 
-  /// Whether the contacts of the model meet the allowed error already.
+  /// True if the contacts of the model meet the allowed error already.
   [[nodiscard]] bool is_met() const { return allowed && present.error <= *allowed; }
 };
 

@@ -15,7 +15,7 @@
 
 namespace palpate::haptics {
 
-/// Whether the tool touches the object and, if so, whether the contact holds.
+/// The state of a contact: the tool is free, or it touches and the contact sticks or slips.
 enum class ContactState { free, stick, slip };
 
 /// "free", "stick" or "slip"
@@ -37,11 +37,11 @@ struct TracePoint {
   ContactState state = ContactState::free;
 };
 
-/// How a slipping contact moves (thesis 5.4.2, Figure 5.6).
+/// The rule by which a slipping contact moves (thesis 5.4.2, Figure 5.6).
 enum class ContactMotion {
   bracketed,         ///< to a root of |f_T| - mu f_N (Eq 5.17), found by a bracketed search
   brent,             ///< to a minimum of h(t) (Eq 5.18), found by Brent's method: `slip_contact`
-  friction_boundary  ///< by the tool's way beyond the friction boundary: `slip_by_boundary`
+  friction_boundary  ///< by the tool's motion beyond the friction boundary: `slip_by_boundary`
 };
 
 /// The meaning, unit and range of each field stand in its list, `visit`, which docs/options.md
@@ -74,9 +74,9 @@ struct LoopState {
   int faulty_ticks = 0;          ///< in a row until now
   double work = 0;               ///< [N mm] by the user, with the credit
   SlipMemory slip;               ///< of the last slip of this touch
-  std::uint64_t playback = 0;    ///< whose state this is
+  std::uint64_t playback = 0;    ///< identifies its `Playback`
   DelayedDisplacements delayed;  ///< of the contact; with a rate only
-  bool has_place = false;        ///< whether `place` is that of the contact
+  bool has_place = false;        ///< true if `place` is that of the contact
   PlaceField place;
 };
 
@@ -117,11 +117,11 @@ class Playback {
   /// thread-safe with one state per thread. The force is always finite. A position that is not
   /// finite or farther away than `longest_step` is not used: see `PlaybackOptions::hold_ticks`.
   ///
-  /// Where the model depends on the rate (rate_law.h), a tick is a motion with the delayed
+  /// If the model depends on the rate (rate_law.h), a tick is a motion with the delayed
   /// displacements held, and then a rest of `seconds` in which they follow: both are passive. They
-  /// move along with the contact. Where the object would pull the tool, because the tool returns
+  /// move along with the contact. If the object would pull the tool, because the tool returns
   /// faster than it, they follow at once as far as needed, which only loses energy.
-  /// \param seconds since the last tick, or 1 kHz's; counts only where the model depends on the rate
+  /// \param seconds since the last tick, or 1 kHz's; used only if the model depends on the rate
   [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state,
                              double seconds = 1e-3) const noexcept;
 
@@ -140,7 +140,7 @@ class Playback {
   std::unique_ptr<const Impl> impl_;
 };
 
-/// Plays a whole trajectory, beginning with a new state. Ticks last as its times tell.
+/// Plays a whole trajectory, beginning with a new state. The durations of ticks follow its times.
 [[nodiscard]] std::vector<TracePoint> play(const Playback& playback,
                                            std::span<const TrajectoryPoint> trajectory);
 

@@ -10,13 +10,13 @@
 
 namespace palpate::haptics {
 
-/// Where an object is at a time.
+/// The pose of an object at a time.
 struct PosePoint {
   double time = 0;                                                   ///< [s]
   Eigen::Isometry3d T_world_object = Eigen::Isometry3d::Identity();  ///< translation [mm]
 };
 
-/// The way of a rigid object through poses at their times: between two it moves straight and turns
+/// The path of a rigid object through poses at their times: between two it moves straight and turns
 /// about one axis, both at constant speed. Before the first and after the last it stands still.
 class PosePath {
  public:

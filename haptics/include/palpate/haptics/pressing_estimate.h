@@ -23,16 +23,16 @@ struct PressedContact {
 };
 
 struct PressingOptions {
-  /// Whether to look for a constant error of the force and for touches found late. They are used
-  /// only where the Bayesian information criterion supports them.
+  /// If true, estimates a constant error of the force, and touches found late. They are used only
+  /// if the Bayesian information criterion supports them.
   bool estimate_offsets = true;
   /// [N] > 0, of each component. Default: estimated from the data.
   std::optional<double> force_noise = std::nullopt;
 };
 
-/// What the records of an acquisition have in common beside the object itself. A record at depth d
-/// below its touch reads F(d + t) u + b: t is the depth of the touch below the true surface, u is 1
-/// or, on the way back, 1 - `hysteresis`.
+/// The common errors of the records of an acquisition, beside the object itself. A record at depth
+/// d below its touch reads F(d + t) u + b: t is the depth of the touch below the true surface, u is
+/// 1 or, on the way back, 1 - `hysteresis`.
 struct PressingOffsets {
   bool force_found = false;  ///< the data support a constant error of the force
   bool touch_found = false;  ///< the data support touches below the true surface
@@ -42,11 +42,11 @@ struct PressingOffsets {
   /// The forces were recorded along the direction of pressing only.
   bool along_direction = false;
   double touch = 0;  ///< [mm] mean of t over contacts on the surface
-  /// [mm] its standard error as if the covariance of curves were known: where heights tell the
+  /// [mm] its standard error as if the covariance of curves were known: if heights tell the
   /// touches, up to two times too small
   double touch_error = 0;
   double touch_spread = 0;  ///< [mm] standard deviation of t among contacts, beside its error
-  /// How much t grows with `PressedContact::height`: 1 if the surface shows where it truly was.
+  /// Growth of t with `PressedContact::height`: 1 if the heights show the true touches.
   double height_slope = 0;
   double height_slope_error = 0;
   double hysteresis = 0;  ///< share of the force that is missing on the way back
@@ -71,7 +71,7 @@ struct PressingCurve {
 struct PressingEstimate {
   std::vector<PressingCurve> curves;  ///< of each contact
   PressingOffsets offsets;
-  double force_noise = 0;  ///< [N] of each component: as told, or estimated
+  double force_noise = 0;  ///< [N] of each component: as given, or estimated
   bool noise_was_estimated = false;
   /// Force across the direction of pressing per displacement across, relative to the force along
   /// per displacement along, > 0: that of a half-space, unless contacts were pressed at an angle

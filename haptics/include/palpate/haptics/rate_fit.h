@@ -12,7 +12,7 @@
 
 namespace palpate::haptics {
 
-/// What was measured at a contact over time, and its field, all in one frame.
+/// The record of a contact over time, and its field, all in one frame.
 struct RateRecord {
   ForceField field;  ///< of the force that stays, up to a factor that all contacts share
   ToolHistory path;
@@ -33,16 +33,16 @@ struct RateFit {
 };
 
 /// Fits how force depends on the rate, for all contacts together: the scale and the terms that
-/// minimise the sum of squares of f - scale (F(u) + sum_i g_i F(u - z_i)). A term is taken iff it
-/// lowers the Bayesian information criterion (two parameters each, one datum a sample) and the RMS
-/// by at least 2 %. Times of terms lie between the median step of the records and three times the
-/// longest path. Does not depend on the number of threads.
+/// minimise the sum of squares of f - scale (F(u) + sum_i g_i F(u - z_i)). A term is added only if
+/// it lowers the Bayesian information criterion (two parameters each, one datum a sample) and the
+/// RMS by at least 2 %. Times of terms lie between the median step of the records and three times
+/// the longest path. The result does not depend on the number of threads.
 /// \throws InvalidInput if sizes differ, a number is not finite, times do not ascend on a path, or
 /// there is no path of three samples.
 [[nodiscard]] RateFit fit_rate(std::span<const RateRecord> records,
                                const RateFitOptions& options = {});
 
-/// [N] What the rate adds to the forces of a field along a path, 3 x N.
+/// [N] Forces that the rate adds to those of a field along a path, 3 x N.
 [[nodiscard]] Eigen::Matrix3Xd rate_forces(std::span<const RateTerm> terms, const ForceField& field,
                                            const ToolHistory& path);
 

@@ -20,7 +20,7 @@ struct RateTerm {
   friend bool operator==(const RateTerm&, const RateTerm&) = default;
 };
 
-/// What an object remembers of its motion: the delayed displacement of each term.
+/// The memory of an object of its motion: the delayed displacement of each term.
 struct DelayedDisplacements {
   static constexpr std::size_t kMost = 2;  ///< terms
   std::array<Eigen::Vector3d, kMost> of = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -54,11 +54,11 @@ struct DelayedDisplacements {
 void relax(std::span<const RateTerm> terms, const Eigen::Vector3d& displacement, double seconds,
            DelayedDisplacements& delayed) noexcept;
 
-/// What a tool did at one contact over time, moving straight and evenly between moments.
+/// The path of a tool at one contact over time; it moves at constant velocity between moments.
 struct ToolHistory {
   std::vector<double> time;        ///< [s] N, ascending
   Eigen::Matrix3Xd displacements;  ///< [mm] 3 x N
-  /// N: the path begins anew here, at zero displacement, with what it remembers forgotten.
+  /// N: a new path begins here, at zero displacement and without memory of the previous one.
   std::vector<bool> begins;
 };
 

@@ -11,7 +11,7 @@
 
 namespace palpate::haptics {
 
-/// What a pair of displacement and force stands for.
+/// The kind of a pair of displacement and force.
 enum class PairKind {
   settled,           ///< the mean position of a group under its normal force alone
   held,              ///< a sample that held, within the boundary
@@ -40,15 +40,15 @@ struct ForceSamples {
 [[nodiscard]] std::optional<double> pooled_displacement_noise(
     std::span<const ForceSamples> contacts);
 
-/// A position `a` is an outlier of its group iff the group has at least 4 positions and the
-/// distance of `a` to their median, taken component by component, is more than this many times the
-/// median distance. Normal noise that is the same in all directions makes 5 in 10^4 positions of a
-/// group of 4 an outlier, and 1 in 10^5 of a group of 8; noise in one direction alone 1 in 100 of a
-/// group of 8, and 5 in 10^5 of large groups. In a group of 3 noise alone would make one in 200 an
+/// A position `a` is an outlier of its group if the group has at least 4 positions and the distance
+/// of `a` to their median, taken component by component, is more than this many times the median
+/// distance. Normal noise that is the same in all directions makes 5 in 10^4 positions of a group
+/// of 4 an outlier, and 1 in 10^5 of a group of 8; noise in one direction alone 1 in 100 of a group
+/// of 8, and 5 in 10^5 of large groups. In a group of 3 noise alone would make one in 200 an
 /// outlier.
 inline constexpr double kOutlierRatio = 6;
 
-/// Whether the tool moved on from where the normal force alone held it.
+/// Returns true if the tool moved on from the place at which the normal force alone held it.
 [[nodiscard]] bool has_tangential_stage(const probing::Sample& sample);
 
 /// Realigns the samples of one contact (thesis 5.2), in the world frame. Samples of other contacts
@@ -58,9 +58,9 @@ inline constexpr double kOutlierRatio = 6;
 /// estimate of that position and makes one pair (m - c, mean component of the forces along the
 /// normal). A sample whose `a` is an outlier enters neither mean. Every sample that held makes a
 /// further pair (b - a + m - c, p); of a sample that slipped only `a` is used. A sample without a
-/// tangential stage makes none: it would count twice. Where no sample of a group has one, the
-/// group's pair has the mean of their whole forces. Pairs are ordered by group, then as the samples
-/// are.
+/// tangential stage makes none: it would count twice. If no sample of a group has one, the
+/// group's pair has the mean of their whole forces. Pairs are ordered by group, then as the
+/// samples are.
 [[nodiscard]] ForceSamples realign(const probing::Contact& contact,
                                    std::span<const probing::Sample> samples);
 

@@ -13,8 +13,8 @@
 
 namespace palpate::haptics {
 
-/// What a model is needed for. The meaning, unit and range of each field stand in its list,
-/// `visit`, which docs/options.md shows.
+/// Requirements on a reduced model. `visit` lists the meaning, unit and range of each field;
+/// docs/options.md shows this list.
 struct ReduceOptions {
   std::optional<double> max_error = std::nullopt;
   std::optional<double> max_relative_error = std::nullopt;
@@ -29,13 +29,13 @@ struct ReduceOptions {
   /// Of each vertex of the model's surface: whether the tool can reach it. Empty: all.
   std::vector<bool> reachable = {};
   /// Called in the calling thread after each model that was tried. `total` is a usual number of
-  /// them; the last call, and no other, has done == total. What it throws ends the work.
+  /// them; only the last call has done == total. An exception that it throws ends the work.
   std::function<void(int done, int total)> progress = {};
 };
 
 void visit(ReduceOptions& options, FieldVisitor& visitor);
 
-/// What a reduction did, and how far the result is from the full model.
+/// The result of a reduction, and its difference from the full model.
 struct ReducedModel {
   Model model;
   std::vector<long long> out_of_reach;  ///< ids of contacts that have no weight in the region
@@ -50,15 +50,15 @@ struct ReducedModel {
   /// [N] RMS of the errors that the full and the reduced model state there, if they do.
   std::optional<double> stated_before, stated_after;
   double allowed = 0;  ///< [N] RMS difference that was allowed at last
-  /// How many times larger the errors had to be than those asked for; 1: as asked for.
+  /// Ratio of the errors that had to be allowed to those requested; 1: as requested.
   double raised = 1;
   double raised_for_size = 1;              ///< the part of it that the size needed
   double size_before = 0, size_after = 0;  ///< [bytes] of the model folders
 };
 
-/// Makes a model of a part of what another one holds: what a scene requires. Contacts that no
-/// reachable place needs leave, then those that the others predict; fields are fitted again with
-/// fewer bases, which keeps them passive; the surface is decimated with a bound.
+/// Reduces a model to the part that a scene requires. Contacts that no reachable place needs are
+/// removed, then those that the others predict; fields are fitted again with fewer bases, which
+/// keeps them passive; the surface is decimated with a bound.
 ///
 /// The difference between two models is measured by random strokes of a tool that presses and
 /// drags, played by both: the root mean square over the ends of presses and drags. One set of
@@ -66,18 +66,18 @@ struct ReducedModel {
 ///
 /// The allowed error is that of the reduced model against the object. If the model states its own
 /// error S there, the reduction may add the root of max_error^2 - S^2. If max_error is below 1.1 S,
-/// or nothing was asked for, it is 1.1 S. A model that states none may by default change by 1 % of
-/// the force. If the size does not hold then, all allowed errors are raised together until it does.
+/// or no error was given, it is 1.1 S. A model that states none may by default change by 1 % of the
+/// force. If the size does not hold then, all allowed errors are raised together until it does.
 ///
-/// Contacts move only onto the decimated surface, and keep the compliances and
-/// strengths learnt from all contacts. What they state of errors between them is learnt again, from
-/// the full model's own error and the difference of the reduced one, at the ends of the strokes.
-/// The reduced model belongs to no acquisition.
+/// Contacts move only onto the decimated surface, and keep the compliances and strengths learnt
+/// from all contacts. Their stated errors between contacts are learnt again, from the full model's
+/// own error and the difference of the reduced one, at the ends of the strokes. The reduced model
+/// belongs to no acquisition.
 ///
 /// \throws InvalidInput if `check_model` rejects the model, an option is outside its range,
-/// `reachable` has another size, fewer than three contacts have influence where it is, no stroke
-/// stays there, the model does not say how far it was measured and neither do the options, or
-/// nothing that is tried is as small as it must be. \throws InvalidInput or SolverError as
+/// `reachable` has another size, fewer than three contacts have influence where it is true, no
+/// stroke stays there, neither the model nor the options say how far it was measured, or nothing
+/// that is tried is as small as required. \throws InvalidInput or SolverError as
 /// `geometry::triangulate_contacts` if the contacts in reach have no triangulation.
 [[nodiscard]] ReducedModel reduce_model(const Model& model, const ReduceOptions& options = {});
 

@@ -9,7 +9,7 @@
 
 namespace palpate::haptics {
 
-/// Whether a matrix is orthonormal and right-handed: no entry of R^T R differs by more than
+/// Returns true if a matrix is orthonormal and right-handed: no entry of R^T R differs by more than
 /// `tolerance` from the identity. False for NaN.
 [[nodiscard]] bool is_rotation(const Eigen::Matrix3d& matrix, double tolerance) noexcept;
 

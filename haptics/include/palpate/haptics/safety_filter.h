@@ -14,7 +14,7 @@
 
 namespace palpate::haptics {
 
-/// What a safety filter did to a force, as bits.
+/// The actions of a safety filter on a force, as bits.
 enum class SafetyAction : std::uint32_t {
   ramped = 1,             ///< reduced: the ramp after a start is not over
   clamped = 2,            ///< longer than allowed
@@ -36,9 +36,9 @@ constexpr std::size_t kSafetyActions = 10;
 
 struct SafetyOptions {
   double force = 3.3;  ///< [N] a longer force is shortened; > 0
-  /// [N] > 0 that the device can hold for as long as one likes. A longer force heats it, as a
-  /// first-order system: `heating_time` h' = (|f| / continuous_force)^2 - h, cold (h = 0) at the
-  /// start. As h goes from 0.9 to 1, the force is brought down to the continuous one.
+  /// [N] > 0 that the device can hold continuously. A longer force heats it, as a first-order
+  /// system: `heating_time` h' = (|f| / continuous_force)^2 - h, cold (h = 0) at the start. As h
+  /// goes from 0.9 to 1, the force is reduced to the continuous one.
   double continuous_force = std::numeric_limits<double>::infinity();
   double heating_time = 10;  ///< [s] time constant of the motors' windings; >= 0.1
   double torque = 100;       ///< [N mm] > 0
@@ -59,7 +59,7 @@ struct SafetyInput {
   bool answered = true;    ///< the device gave a state
   bool finite = true;      ///< its position and time
   bool armed = true;       ///< the user holds the device
-  bool restart = false;    ///< the force begins anew from zero, as after a clutch
+  bool restart = false;    ///< the force starts again from zero, as after a clutch
   bool crossfade = false;  ///< it changes for another reason than the tool's motion
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N] wanted
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N mm] wanted
@@ -72,7 +72,7 @@ struct SafeCommand {
 };
 
 /// Stands between playback and every device. After a fault the force is zero in the same tick, and
-/// begins anew with the ramp when the fault is over. A value: equal inputs give equal commands.
+/// starts again with the ramp when the fault is over. A value: equal inputs give equal commands.
 class SafetyFilter {
  public:
   /// \throws InvalidInput on an option outside its range.

@@ -9,7 +9,7 @@
 
 namespace palpate::haptics {
 
-/// How forces change when lengths are multiplied by S, which is s times the identity, or scales by
+/// Scaling of forces when lengths are multiplied by S, which is s times the identity, or scales by
 /// s only along an axis. p and p' are the elastic energies before and after, f and f' the forces.
 enum class ForceScaling {
   /// Same material: p'(S x) = det(S) p(x). For uniform scaling this is exact for any elastic
@@ -50,16 +50,16 @@ struct ScaledModel {
 ///   as a normal, to S^-1 z; friction axes, as displacements, become S a. Friction coefficients,
 ///   triangles and weights stay. The friction cone stays circular, although that of a stretched
 ///   object may not.
-/// - Everything except positions is `rounded`; if no field was refitted, scaling back gives the
-/// same
-///   model up to rounding. Fields are refitted up to the reference force of the model, if any.
-/// - `rms` and `noise_floor` scale like forces in the mean over the axes, and `rms` increases by
-/// the
-///   refit error; `passivity` and `fit_mode` are those of a refitted field, whose `chi2` and
-///   `condition` are unknown; `samples` and `fit_stop` still refer to the fit to the measurements.
-/// - Compliances are recomputed. What belongs to the acquisition is dropped, because samples belong
-/// to
-///   the object as measured: its registration, noise, fingerprint and offsets.
+/// - Everything except positions is `rounded`; if no field was refitted, scaling back gives
+///   the same model up to rounding. Fields are refitted up to the reference force of the
+///   model, if any.
+/// - `rms` and `noise_floor` scale like forces in the mean over the axes, and `rms` increases
+///   by the refit error; `passivity` and `fit_mode` are those of a refitted field, whose `chi2`
+///   and `condition` are unknown; `samples` and `fit_stop` still refer to the fit to the
+///   measurements.
+/// - Compliances are recomputed.
+/// - Properties of the acquisition are dropped, because samples belong to the object as
+///   measured: its registration, noise, fingerprint and offsets.
 /// - The response of the surface grows with the object. It is dropped with an axis: its dents are
 ///   round.
 ///

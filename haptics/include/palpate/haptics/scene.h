@@ -22,7 +22,7 @@ struct SceneObject {
   std::shared_ptr<const Playback> playback;
 };
 
-/// What happens where two tools touch one object near each other. A model knows one contact at a
+/// The rule for two tools that touch one object near each other. A model knows one contact at a
 /// time (thesis 6.2.4.1); the contact that began later gives way.
 enum class NearTools {
   independent,  ///< nothing: each tool feels the object as if it were alone
@@ -46,7 +46,7 @@ struct SceneOptions {
   double tick = 1e-3;
 };
 
-/// What a tool feels in a tick.
+/// The command for one tool in one tick.
 struct ToolCommand {
   /// The force is the sum over all objects; contact and state are those of `object`, in the world;
   /// a flag is set if it is for some object.
@@ -55,7 +55,7 @@ struct ToolCommand {
   double share = 1;  ///< of its force that is commanded; below 1: another tool is or was near
 };
 
-/// What the tools do to an object in a tick, in the world.
+/// The load of the tools on an object in one tick, in the world.
 struct ObjectLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N] on the object
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N mm] on it, about its frame's origin
@@ -68,7 +68,7 @@ struct SceneCommand {
   std::vector<ObjectLoad> objects;
 };
 
-/// The state of a scene with its tools between two ticks. A value: a copy goes on alike.
+/// The state of a scene with its tools between two ticks. A copy continues identically.
 class SceneState {
  public:
   SceneState() = default;
@@ -109,11 +109,11 @@ class SceneState {
 /// Several objects, which may move, and several tools, at 1 kHz or more.
 ///
 /// Each tool touches each object as in `Playback`, in the frame of the object: only the motion of
-/// one against the other counts. An object whose ball (`Playback::reach`) the way of a tool does
-/// not come near costs two transformations. Contacts of several tools with one object are
-/// independent, and near ones give way (`NearTools`). Like `Playback`, a scene gives the users no
-/// more energy than they and the movers of the objects put in, apart from its credit: a share does
-/// not rise before its tool has left the object.
+/// one relative to the other counts. An object whose ball (`Playback::reach`) is far from the path
+/// of a tool costs two transformations. Contacts of several tools with one object are independent,
+/// and near ones give way (`NearTools`). Like `Playback`, a scene gives the users no more energy
+/// than they and the movers of the objects put in, apart from its credit: a share does not rise
+/// before its tool has left the object.
 class Scene {
  public:
   /// \throws InvalidInput without objects, for one without a playback, for names that are empty or

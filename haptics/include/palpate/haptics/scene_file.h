@@ -13,12 +13,12 @@
 
 namespace palpate::haptics {
 
-/// What a scene file says. Paths are as in the file, made relative to its folder.
+/// The content of a scene file. Paths are as in the file, made relative to its folder.
 struct SceneFile {
   std::vector<std::string> objects, tools;    ///< names
   std::vector<std::filesystem::path> models;  ///< folder of each object
   std::vector<PlaybackOptions> playback;      ///< of each object
-  /// File of each tool. Empty: a device moves the tool; its way is one place, the origin.
+  /// File of each tool. Empty: a device moves the tool; its path is one place, the origin.
   std::vector<std::filesystem::path> trajectories;
   std::vector<std::filesystem::path> sources;  ///< all files that were read
   SceneMotion motion;

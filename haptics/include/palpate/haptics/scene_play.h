@@ -17,7 +17,7 @@
 
 namespace palpate::haptics {
 
-/// The ways of all objects and tools of a scene, on one clock. What has only one place stands
+/// The paths of all objects and tools of a scene, on one clock. A path with a single place stands
 /// still.
 struct SceneMotion {
   std::vector<PosePath> objects;
@@ -25,27 +25,27 @@ struct SceneMotion {
   double rate = 1000;  ///< [Hz] of the ticks; > 0
 };
 
-/// What `Scene::step` gets in a tick.
+/// The input of `Scene::step` in one tick.
 struct SceneInput {
   double time = 0;  ///< [s]
   std::vector<Eigen::Isometry3d> poses;
   std::vector<Eigen::Vector3d> tools;  ///< [mm]
 };
 
-/// Ticks from the first point of any way to the last one of any.
-/// \throws InvalidInput if there is no way of a tool, the rate is not above 0, or they are 1e7.
+/// Number of ticks from the first point of any path to the last one of any.
+/// \throws InvalidInput if a tool has no path, the rate is not above 0, or ticks are 1e7 or more.
 [[nodiscard]] std::size_t tick_count(const SceneMotion& motion);
 [[nodiscard]] SceneInput input_at(const SceneMotion& motion, std::size_t tick);
 /// The same at any time [s]. Real-time safe if `input` is of this motion.
 void set_input(const SceneMotion& motion, double time, SceneInput& input);
 
-/// What a tool felt in a tick.
+/// The command for a tool in one tick.
 struct SceneTracePoint {
   TracePoint felt;
   int object = -1;   ///< as in `ToolCommand`
   double share = 1;  ///< as in `ToolCommand`
 };
-/// What the tools did to an object in a tick.
+/// The load of the tools on an object in one tick.
 struct LoadPoint {
   double time = 0;  ///< [s]
   ObjectLoad load;
@@ -55,8 +55,8 @@ struct SceneTrace {
   std::vector<std::vector<LoadPoint>> objects;      ///< of each object, by tick
 };
 
-/// Plays a scene along given ways, beginning with a new state.
-/// \throws InvalidInput if there is not one way for each object, or none of a tool.
+/// Plays a scene along given paths, beginning with a new state.
+/// \throws InvalidInput if there is not one path for each object, or none of a tool.
 [[nodiscard]] SceneTrace play(const Scene& scene, const SceneMotion& motion);
 
 /// Writes a CSV file with the columns `t,x,y,z,cx,cy,cz,fx,fy,fz,state,object,share`, all in the

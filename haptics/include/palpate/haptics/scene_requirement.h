@@ -14,7 +14,7 @@
 
 namespace palpate::haptics {
 
-/// Where a tool can be, in the frame of the model: where all that is given holds.
+/// The region in which a tool can be, in the frame of the model: all given conditions hold there.
 struct SceneRegion {
   std::optional<Eigen::AlignedBox3d> box;  ///< [mm]
   /// The side of a plane to which its normal (of any length) points: its offset is <= 0 there.
@@ -24,14 +24,14 @@ struct SceneRegion {
   double margin = 0;  ///< [mm] > 0, with a path
 };
 
-/// Which vertices of a surface lie in a region. A tool of a path touches where it is behind the
-/// nearest triangle, or within the margin of it.
-/// \throws InvalidInput if no triangle has all its vertices there, saying where the surface, or how
-/// far away the path is.
+/// Returns for each vertex of a surface whether it lies in a region. A tool of a path touches where
+/// it is behind the nearest triangle, or within the margin of it.
+/// \throws InvalidInput if no triangle has all its vertices there, stating where the surface is, or
+/// how far away the path is.
 [[nodiscard]] std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
                                                    const SceneRegion& region);
 
-/// What a scene requires of one of its objects.
+/// The requirements of a scene on one of its objects.
 struct SceneRequirement {
   std::string object;           ///< name
   std::filesystem::path model;  ///< folder, made relative to that of the scene file
@@ -40,19 +40,19 @@ struct SceneRequirement {
   std::optional<double> arm_time;  ///< [s] for which an arm may probe it
 };
 
-/// What a scene requires of all its objects together, and of each that has a member `require`.
+/// The requirements of a scene on all its objects together, and on each with a member `require`.
 struct SceneRequirements {
   std::optional<double> arm_time;  ///< [s] for all of them
   std::vector<SceneRequirement> objects;
 };
 
-/// Reads what a scene file (JSON or YAML, see `read_scene`) requires: its member `budget` and the
-/// members `require` of its objects, which docs/reduce.md describes.
+/// Reads the requirements of a scene file (JSON or YAML, see `read_scene`): its member `budget` and
+/// the members `require` of its objects, which docs/reduce.md describes.
 /// \throws FileError naming the file, the member, what is wrong with it and what would be right;
 /// also if no object has a requirement.
 [[nodiscard]] SceneRequirements read_scene_requirements(const std::filesystem::path& path);
 
-/// What a scene file requires of one of its objects.
+/// Reads the requirements of a scene file on one of its objects.
 /// \param model folder of the model; it finds the object, unless `object` names it. Empty: the
 /// object must be named if several have a requirement.
 /// \throws FileError as `read_scene_requirements`; also if no object, or more than one, is meant.

@@ -13,15 +13,15 @@
 
 namespace palpate::haptics {
 
-/// A scene in which a device moves one tool. The objects and the other tools go their ways, from
-/// the first time of any of them on; this is the device's time of the first tick. In a tick in
-/// which nothing is known of the device's tool, it stands still, and objects may run into it.
+/// A scene in which a device moves one tool. The objects and the other tools follow their paths,
+/// from the first time of any of them on; this is the device's time of the first tick. If nothing
+/// is known of the device's tool in a tick, it stands still, and objects may run into it.
 class SceneWorld final : public ToolWorld {
  public:
   /// Allocates everything that a tick needs.
-  /// \param motion of all objects and tools. Where the device's tool goes there does not count.
+  /// \param motion of all objects and tools; the path of the device's tool in it is ignored.
   /// \param tool of the device, from 0.
-  /// \throws InvalidInput without a scene, if there is not one way for each object, or no such tool.
+  /// \throws InvalidInput without a scene, one path for each object, or such a tool.
   SceneWorld(std::shared_ptr<const Scene> scene, SceneMotion motion, std::size_t tool);
 
   void begin(double now) noexcept override;
@@ -38,7 +38,7 @@ class SceneWorld final : public ToolWorld {
   std::shared_ptr<const Scene> scene_;
   SceneMotion motion_;
   std::size_t tool_;
-  double begin_;                // [s] the first time of any way
+  double begin_;                // [s] the first time of any path
   std::optional<double> zero_;  // [s] the device's time of the first tick
   SceneInput input_;
   bool has_place_ = false, tried_ = false;

@@ -17,7 +17,7 @@ inline constexpr int kFewestDenseSamples = 12;
 
 struct LocalGlobalOptions {
   FitOptions fit = {};  ///< for the fields used in playback
-  /// A contact is dense iff it has at least this many pairs; >= kFewestDenseSamples.
+  /// A contact is dense if it has at least this many pairs; >= kFewestDenseSamples.
   int dense_samples = 40;
 };
 
@@ -69,7 +69,7 @@ struct LocalPart {
 /// force and displacement exchanged), and G_i to d - l(f) by robust least squares. A trial decides
 /// whether the model applies: of each dense contact the pairs whose forces are closest to those of
 /// a sparse contact are kept, and the others are predicted with the local part of the other dense
-/// contacts, and by a fit to the kept pairs alone. The local part is shared iff the mean gain is at
+/// contacts, and by a fit to the kept pairs alone. The local part is shared if the mean gain is at
 /// least twice its standard error. The result does not depend on the order of contacts or samples,
 /// nor on threads.
 /// \param contacts samples of contact i in its local frame, z into the object; frames of neighbours
@@ -81,7 +81,7 @@ struct LocalPart {
 
 struct SeriesFit {
   /// For playback, like any other; the figures refer to the contact's own samples. `shared_local`
-  /// tells whether it includes the local part.
+  /// is true if it includes the local part.
   FitResult fit;
   /// [mm/N] G; zero unless the field includes the local part
   Eigen::Matrix3d global_compliance = Eigen::Matrix3d::Zero();

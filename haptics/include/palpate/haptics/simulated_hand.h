@@ -42,7 +42,7 @@ class SimulatedHand final : public probing::Arm {
   [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override;
   void stop() noexcept override;
 
-  /// What encoders do not show: the position [mm], and the force [N] of the motors now.
+  /// Values that encoders do not show: the position [mm], and the present force [N] of the motors.
   [[nodiscard]] const Eigen::Vector3d& position() const noexcept;
   [[nodiscard]] const Eigen::Vector3d& applied_force() const noexcept;
 

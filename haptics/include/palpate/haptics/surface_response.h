@@ -10,7 +10,7 @@
 
 namespace palpate::haptics {
 
-/// How the whole surface follows the tool, learnt from recorded surfaces; for display (thesis 5.6).
+/// Response of the surface to the tool, learnt from recorded surfaces; for display (thesis 5.6).
 /// V vertices of the surface, N nodes among them, C contacts, S recorded surfaces.
 ///
 /// While the tool has moved the surface at place p by delta [mm], vertex v moves by
@@ -52,7 +52,7 @@ struct SurfaceResponse {
 [[nodiscard]] double dent_at(const SurfaceResponse& response, Eigen::Index contact, double d);
 
 /// \throws InvalidInput naming the member, beginning with `subject`, unless all is finite and fits
-/// so many vertices and contacts.
+/// this number of vertices and contacts.
 void check_surface_response(const SurfaceResponse& response, Eigen::Index vertices,
                             Eigen::Index contacts, const std::string& subject);
 

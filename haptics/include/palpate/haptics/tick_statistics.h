@@ -24,7 +24,7 @@ class DurationHistogram {
   std::uint64_t count_ = 0, largest_ = 0;
 };
 
-/// How a loop kept its time.
+/// Timing of a loop.
 struct TickStatistics {
   long long ticks = 0;
   long long late = 0;  ///< began more than half a period late

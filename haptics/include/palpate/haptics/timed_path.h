@@ -8,10 +8,10 @@
 
 namespace palpate::haptics {
 
-/// How a path goes from one of its points to the next.
+/// The shape of a path between one of its points and the next.
 enum class PathShape {
   linear,  ///< straight at constant speed: a recording
-  smooth   ///< straight and at rest in each point, with the least jerk: a hand's way (Flash, Hogan)
+  smooth   ///< straight and at rest in each point, with the least jerk: a hand (Flash, Hogan)
 };
 
 /// A path through points at their times. Before the first and after the last it stands still.

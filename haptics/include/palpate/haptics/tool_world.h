@@ -9,17 +9,17 @@
 
 namespace palpate::haptics {
 
-/// What the tool of a `DeviceLoop` touches, and its state. Each tick is one call of `begin`, any
-/// number of `try_tool`, and one of `end`. Real-time safe.
+/// The objects that the tool of a `DeviceLoop` touches, and their state. Each tick is one call of
+/// `begin`, any number of `try_tool`, and one of `end`. Real-time safe.
 class ToolWorld {
  public:
   virtual ~ToolWorld() = default;
   /// \param now [s] on the device's clock.
   virtual void begin(double now) noexcept = 0;
-  /// What the tool would feel with this place in the tick. Each try goes on from the tick before.
+  /// Returns the command for a tool at this place. Each try starts from the state of the last tick.
   /// \param tool [mm] in the world. \return force and contact in the world.
   [[nodiscard]] virtual Command try_tool(const Eigen::Vector3d& tool) noexcept = 0;
-  /// The tick was as in the last try. Without one, nothing is known of the tool in this tick.
+  /// The tick was as in the last try. Without one, the tool is unknown in this tick.
   virtual void end() noexcept = 0;
 };
 

@@ -27,8 +27,8 @@ struct TransferredModel {
 /// rotated as the map rotates the surface there, and the contacts are triangulated again on the
 /// target, whose long edges are split as by `build_model`. Fields are scaled uniformly, and so
 /// exactly, according to `forces`, and so is the reference force of compliances, which are
-/// recomputed. Friction coefficients stay. Everything is `rounded`. What belongs to the
-/// acquisition is dropped: its registration, noise, fingerprint and offsets.
+/// recomputed. Friction coefficients stay. Everything is `rounded`. Properties of the acquisition
+/// are dropped: its registration, noise, fingerprint and offsets.
 ///
 /// Force fields also depend on the inside of an object, about which a map of surfaces contains
 /// nothing. Between objects of one kind and similar shape the result is probably reasonable, but it

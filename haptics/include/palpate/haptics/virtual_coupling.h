@@ -52,7 +52,7 @@ void check_coupling(const CouplingOptions& options);
 [[nodiscard]] double coupling_stiffness(const CouplingOptions& options, double damping,
                                         double period, double delay) noexcept;
 
-/// What the spring keeps from one tick to the next.
+/// State that the spring keeps from one tick to the next.
 struct CouplingState {
   bool known = false;  ///< false before the first tick
   bool touching = false;
@@ -68,7 +68,7 @@ struct CoupledTool {
 };
 
 /// Finds the tool at which spring and model balance, by Broyden's method between tools that touch.
-/// If it does not in this tick, it goes on in the next one; the force is that of the spring.
+/// If it does not in this tick, it continues in the next one; the force is that of the spring.
 /// \param stiffness [N/mm] > 0 of the spring. \param device [mm]
 /// \param model gives the force on the user [N] of a tool; the last call is with the tool found.
 template <typename Model>
@@ -82,7 +82,7 @@ template <typename Model>
 CoupledTool couple(const CouplingOptions& options, double stiffness, const Eigen::Vector3d& device,
                    CouplingState& state, Model&& model) noexcept {
   const Eigen::Matrix3d spring = stiffness * Eigen::Matrix3d::Identity();
-  // The step to where the spring balances a model that goes on as it showed.
+  // The step to where the spring balances a model with the stiffness observed so far.
   const auto step = [&](const Eigen::Vector3d& residual) -> Eigen::Vector3d {
     const Eigen::Vector3d full = (spring + state.stiffness).inverse() * residual;
     // Unless that leads up the residual or too far, as after a slip: then as if the model were
@@ -90,7 +90,7 @@ CoupledTool couple(const CouplingOptions& options, double stiffness, const Eigen
     const Eigen::Vector3d soft = residual / stiffness;
     return full.dot(residual) > 0 && full.norm() < 2 * soft.norm() ? full : soft;
   };
-  // The model is at least so stiff along a way, on which it takes its force back.
+  // The model is at least this stiff along a path on which it takes its force back.
   const auto raise = [&](const Eigen::Vector3d& way, const Eigen::Vector3d& force, double factor) {
     const double square = way.squaredNorm();
     if (square == 0) return;
@@ -98,9 +98,9 @@ CoupledTool couple(const CouplingOptions& options, double stiffness, const Eigen
     const double least = factor * force.dot(way) / square;
     if (least > seen) state.stiffness += (least - seen) / square * way * way.transpose();
   };
-  constexpr double kBeyondSecant = 4;  // each step that left the object is shortened by so much
+  constexpr double kBeyondSecant = 4;  // each step that left the object is shortened by this factor
   if (!state.touching) state.stiffness.setZero();
-  // The latest tool that touched, and where the next one is tried.
+  // The latest tool that touched, and the next tool to try.
   bool has_inside = state.touching;
   Eigen::Vector3d inside = state.tool, inside_force = state.force;
   bool tried_device = !state.touching;
