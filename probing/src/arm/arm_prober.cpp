@@ -157,7 +157,7 @@ struct ArmProber::Impl {
     return result;
   }
 
-  /// Whether all motors can bear `coming` [N] for `expected_load`, by du/dt = (load^2 - u) / T.
+  /// True if all motors can bear `coming` [N] for `expected_load`, by du/dt = (load^2 - u) / T.
   [[nodiscard]] bool is_cool(const Vector3d& coming) const {
     if (!safe.description().measures_heat) return true;
     const double decay = std::exp(-options.expected_load / options.heating_time);
@@ -370,10 +370,10 @@ struct ArmProber::Impl {
   Eigen::Isometry3d T_base_world;
   long long trial = -1;  // that was begun
   double begun = 0;      // [s] time of the action
-  // Where the arm began to approach, inwards.
+  // The place at which the arm began to approach, inwards.
   Eigen::Hyperplane<double, 3> approached{Vector3d::UnitZ(), Vector3d::Zero()};
   Vector3d force = Vector3d::Zero();   // [N] of the tip on the object, as commanded last
-  Vector3d rested = Vector3d::Zero();  // [mm] where the tip came to rest last, without bending
+  Vector3d rested = Vector3d::Zero();  // [mm] last resting place of the tip, without bending
   std::thread keeper;
   std::atomic<bool> keeping = false;
   std::exception_ptr kept;

@@ -41,8 +41,8 @@ void check_reach_options(const ReachOptions& o) {
   require("LinkClearance::approach", o.links.approach, at_least(0).finite(), "mm");
 }
 
-/// Whether all points from one end to the other are at least `distance` [mm] from the surface.
-/// Along a line, the distance from a surface changes by no more than the way.
+/// Returns true if all points from one end to the other are at least `distance` [mm] from the
+/// surface. Along a line, the distance from a surface changes by no more than the motion.
 bool line_is_clear(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double distance,
                    const geometry::SurfaceQuery& surface) {
   constexpr double kShortestStep = 0.1;  // [mm]; half of it may be missed between two points

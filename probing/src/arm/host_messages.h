@@ -8,7 +8,7 @@
 
 namespace palpate::probing {
 
-/// What `RemoteArm` and `serve_device` say to each other; both are of the same build.
+/// The messages between `RemoteArm` and `serve_device`; both are of the same build.
 struct HostRequest {
   enum Kind : std::uint32_t { activate, read, write, stop };
   std::uint32_t kind = read;

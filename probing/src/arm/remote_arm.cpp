@@ -82,7 +82,7 @@ struct RemoteArm::Process {
     }
   }
 
-  /// Whether the process has ended within this time.
+  /// Returns true if the process has ended within this time.
   bool wait_for_end(std::chrono::milliseconds patience) {
     constexpr std::chrono::milliseconds kPause(2);
     const auto end = RemoteTime::now() + patience;
@@ -130,7 +130,7 @@ struct RemoteArm::Process {
     return size == sizeof(request);
   }
 
-  /// How the process ended, or that it does not answer.
+  /// Returns how the process ended, or that it does not answer.
   [[nodiscard]] std::string end_in_words() {
     constexpr std::chrono::milliseconds kPatience(500);
     if (!gone) return "the driver's process does not answer";

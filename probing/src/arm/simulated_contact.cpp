@@ -52,8 +52,8 @@ std::optional<Eigen::Vector3d> SimulatedContact::press(const Eigen::Vector3d& ti
   Eigen::Vector3d pressed = softness_inverse_ * strain(tip);
   const double along = pressed.dot(cone_.axis);
   if (along <= 0) {
-    // What is retarded keeps the surface below its place for a while; the tip may leave it, and be
-    // met again.
+    // The retarded part keeps the surface below its place for a while; the tip may leave it, and
+    // touch it again.
     const bool inside = (tip - surface_point_).dot(surface_normal_) < 0;
     touches_ = inside && !late_.isZero(0);
     if (!touches_) near_ = false;
@@ -70,7 +70,7 @@ std::optional<Eigen::Vector3d> SimulatedContact::press(const Eigen::Vector3d& ti
   return pressed;
 }
 
-/// [mm] What the tip's place asks of the force: `softness_` times it.
+/// [mm] The strain that the tip's place demands of the force: `softness_` times the force.
 Eigen::Vector3d SimulatedContact::strain(const Eigen::Vector3d& tip) const {
   return tip - place_ - late_ - prompt_ * displacement_ + prompt_ * slope_ * reference_;
 }

@@ -9,7 +9,7 @@
 namespace palpate::probing {
 
 /// The work [N mm] of a force that is commanded, less what the arm's own damping takes, along the
-/// way of a tip. It takes means over blocks of ticks: the noise of encoders is in both the place
+/// path of a tip. It takes means over blocks of ticks: the noise of encoders is in both the place
 /// and the damping, so that single ticks would add up to a work that nobody did.
 class WorkMeter {
  public:
@@ -28,7 +28,7 @@ class WorkMeter {
     count_ = 0;
   }
 
-  /// [N mm] with a last way to where the tip rests.
+  /// [N mm] with a last motion to where the tip rests.
   [[nodiscard]] double end(const Eigen::Vector3d& force, const Eigen::Vector3d& tip) {
     go_to({latest_.time, force, tip}, 0);
     return work_;

@@ -19,7 +19,7 @@ inline constexpr double kMostOfBase = 3;
 /// Probability of slip of a trial that is not meant to search the friction cone.
 inline constexpr double kHolding = 0.05;
 
-/// What an adaptive campaign was told.
+/// The input of an adaptive campaign.
 struct AdaptiveSetting {
   ContactPlan plan;
   CampaignOptions options;
@@ -50,7 +50,7 @@ struct AdaptiveSite {
   double unexplained = 0;  ///< [N^2] by which asking for an energy makes pairs err that are left
                            ///< out, beyond what is expected; may be < 0
   double left_out = -1;    ///< [N^2] squared error of its prediction by neighbours; < 0: none
-  double around = -1;  ///< [N^2] where it is not enclosed: of places between it and its neighbours,
+  double around = -1;  ///< [N^2] if it is not enclosed: of places between it and its neighbours,
                        ///< as expected from its prediction by them; < 0: none
   double gain = 0;     ///< [N^2] of the best further trial
   std::optional<TrialOrder> best = {};  ///< without its number
@@ -58,7 +58,7 @@ struct AdaptiveSite {
   /// Unit vectors: into the object, and along the surface at an angle [rad].
   [[nodiscard]] Eigen::Vector3d pressing() const;
   [[nodiscard]] Eigen::Vector3d tangent(double angle) const;
-  /// Whether its base is done and gave something to predict other contacts with.
+  /// Returns true if its base is done and gave data with which to predict other contacts.
   [[nodiscard]] bool is_known() const;
 };
 

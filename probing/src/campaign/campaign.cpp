@@ -23,7 +23,7 @@ constexpr int kPressing = -1;         // the normal force alone
 constexpr double kUsualSeconds = 12;  // [s] of a trial (thesis 6.2.1), before one was performed
 /// Tangential forces below this many standard deviations of the force are not tried.
 constexpr double kSmallestForce = 2;
-/// A second trial is made iff the difference of coefficients that it resolves is at most this many
+/// A second trial is made if the difference of coefficients that it resolves is at most this many
 /// standard deviations of the current estimate.
 constexpr double kCoarsest = 1;
 constexpr double kForceTolerance = 5e-5;  // of a chosen force, relative to the largest
@@ -37,9 +37,9 @@ struct Campaign::Impl {
 
   // One direction at one level.
   struct Search {
-    double low = 0, high = 0;  // [N] bisection: what held, and what slipped or is the largest
+    double low = 0, high = 0;  // [N] bisection: force that held; one that slipped, or the largest
     std::optional<long long> held = {};  // the trial that held `low`
-    bool slipped = false;                // whether some force slipped
+    bool slipped = false;                // true if some force slipped
     int tries = 0;
   };
 

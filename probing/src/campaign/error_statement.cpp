@@ -17,8 +17,8 @@ constexpr double kBetweenShare = 0.17;
 constexpr int kFewestToPredict = 8;
 /// The stated error is assumed to be right with the weight of this many predictions.
 constexpr double kAssumedPredictions = 10;
-/// Of the squared error of pairs that are left out, what queries have. Pairs lie at the edge of
-/// what is measured, queries inside. Measured on a ball that sticks: 0.36 with 23 pairs, 0.66
+/// Squared error of queries, relative to that of pairs that are left out. Pairs lie at the edge of
+/// the measured range, queries inside. Measured on a ball that sticks: 0.36 with 23 pairs, 0.66
 /// with 57.
 constexpr double kInsideShare = 0.5;
 constexpr double kLargestRatio = 25;  // of squared errors; limits the effect of outliers
@@ -91,7 +91,7 @@ StatedError state_error(const std::vector<AdaptiveSite>& sites, const AdaptiveSe
     result.between = std::sqrt(at.between);
     result.error = std::hypot(result.at_contacts, result.between);
   } else if (all_begun) {
-    result.error = result.at_contacts;  // no other contact tells anything about the gaps
+    result.error = result.at_contacts;  // no other contact gives information on the gaps
   } else {
     return result;
   }

@@ -10,14 +10,14 @@
 
 namespace palpate::probing {
 
-/// Number of enclosed contacts from which on they alone tell the error between contacts. Before, it
+/// Number of enclosed contacts from which on they alone give the error between contacts. Before, it
 /// is stated only once all contacts were begun.
 inline constexpr std::size_t kFewestContacts = 6;
 /// The squared error between contacts falls with this power of their number, because the error
 /// falls with the square of their distance.
 inline constexpr double kGapPower = 2;
 
-/// How the samples that were predicted before they were taken came out.
+/// Comparison of samples with their predictions before they were taken.
 class PredictionRecord {
  public:
   /// Compares a held trial with its prediction, once there is one.
@@ -46,7 +46,7 @@ struct ErrorParts {
 [[nodiscard]] ErrorParts error_parts(const std::vector<AdaptiveSite>& sites,
                                      const PredictionRecord& record);
 
-/// What a campaign says of its own accuracy.
+/// Returns the accuracy that a campaign states of itself.
 [[nodiscard]] StatedError state_error(const std::vector<AdaptiveSite>& sites,
                                       const AdaptiveSetting& setting,
                                       const PredictionRecord& record);

@@ -16,14 +16,14 @@ using Eigen::Vector3d;
 constexpr std::size_t kNeighbours = 6;
 /// Contacts whose normals differ by more than 60 degrees do not predict each other.
 constexpr double kSameSide = 0.5;
-/// A contact is enclosed iff the weighted mean of the vectors to its neighbours is at most this
+/// A contact is enclosed if the weighted mean of the vectors to its neighbours is at most this
 /// fraction of their mean length.
 constexpr double kEnclosed = 0.4;
 constexpr double kPlaneRidge = 0.01;  // penalty of the plane's slopes, relative to its constant
 
 using Near = std::vector<std::pair<double, std::size_t>>;
 
-// Where neighbours are, and how much they count.
+// The places of neighbours, and their weights.
 struct Neighbours {
   Eigen::Matrix3Xd off;     // [mm] from the contact, in its tangent frame
   Eigen::VectorXd weights;  // [1/mm^2]

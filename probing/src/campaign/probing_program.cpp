@@ -89,7 +89,7 @@ std::optional<SlipJudgement> judge(const TrialOrder& order, const TrialResult& r
                                                 .microslip = order.microslip});
 }
 
-// What belongs to the sample in the report of the action that measures it.
+// Takes the parts of a sample from the report of the action that measures it.
 void take_sample(TrialResult& result, const ProbeReport& report) {
   result.b = report.position;
   result.range_map = report.range_map;

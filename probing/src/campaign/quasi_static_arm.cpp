@@ -158,7 +158,7 @@ class QuasiStaticArm : public Prober {
     return false;
   }
 
-  /// What stays of the motion of the contact after the tangential part of `force` is released.
+  /// Motion of the contact that remains after the tangential part of `force` is released.
   Vector3d microslip_after(const Vector3d& force) const {
     const FrictionCone cone = specimen_->friction_cone(place_);
     const double normal = force.dot(cone.axis);
@@ -170,7 +170,7 @@ class QuasiStaticArm : public Prober {
     return 1.5 * options_.tip_compliance * limit * share * across.normalized();
   }
 
-  /// \param lagging [mm] way of the object's retarded part.
+  /// \param lagging [mm] motion of the object's retarded part.
   ProbeReport settle(const ProbeAction& action, const Vector3d& rest, const Vector3d& lagging) {
     const Vector3d from = tip_, way = tip_ - (rest - lagging);
     double moving = std::max(time_to_settle(way.norm(), options_.time_constant),

@@ -10,8 +10,8 @@
 namespace palpate::probing {
 namespace {
 
-// The work of a force that grows evenly is half of force times way. An error of the force on both
-// ways changes what is lost by twice the error times the way, thus the share by 4 error / force.
+// The work of a force that grows evenly is half of force times motion. An error of the force in
+// both directions changes the loss by twice error times motion, thus the share by 4 error / force.
 constexpr double kLeastForceOverNoise = 40;
 constexpr double kLeastWayOverNoise = 10;
 

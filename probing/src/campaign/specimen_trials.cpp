@@ -31,7 +31,7 @@ constexpr double kSmallerDrag = 0.55;
 /// Of the tangential force at which the tip slips, relative to the largest that is tried.
 constexpr double kDragStep = 1e-6;
 
-// What is tried at one level of the normal force.
+// The trials at one level of the normal force.
 struct LevelOfTrials {
   TrialOrder press;
   struct Drag {
@@ -104,7 +104,7 @@ std::vector<LevelOfTrials> trials_at(const Specimen& specimen, const ContactPlan
 
 int equilibria_of(const LevelOfTrials& level) { return 1 + static_cast<int>(level.drags.size()); }
 
-// What the trials at one contact gave.
+// The results of the trials at one contact.
 struct ContactTrials {
   std::vector<Sample> samples;
   std::vector<FailedTrial> failed;

@@ -52,7 +52,7 @@ SignalFault SignalCheck::check(const ApproachSample& sample) noexcept {
 }
 
 SignalFault SignalCheck::find(const ApproachSample& sample) noexcept {
-  constexpr double kJumpQuanta = 4;  // what quantisation and the noise of a time stamp can explain
+  constexpr double kJumpQuanta = 4;  // explained by quantisation and the noise of a time stamp
   if (!std::isfinite(sample.time) || !std::isfinite(sample.position) ||
       !std::isfinite(sample.force)) {
     return SignalFault::not_finite;

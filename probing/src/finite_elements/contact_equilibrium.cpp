@@ -31,7 +31,7 @@ constexpr double kUnitTolerance = 1e-6;  // of the length of a direction
 constexpr double kPatchReach = 1.2;      // [tip radii] of the faces whose contact is solved exactly
 constexpr double kPatchGrowth = 1.5;     // of the reach, when the tip touches beyond
 constexpr double kDetour = 1;            // [tip radii] by which the tip may stop early
-constexpr double kRounding = 1e-12;      // of the way of a force or of the tip
+constexpr double kRounding = 1e-12;      // of the change of a force or motion of the tip
 constexpr double kSameEquilibrium = 10;  // [tolerances] of what is missing at one
 constexpr int kGuessHalvings = 2;        // of the way between guesses, before they are given up
 
@@ -79,7 +79,7 @@ const char* to_string(ContactStop stop) {
   return "";
 }
 
-// What a series of forces at one place leaves for the next one.
+// The result of a series of forces at one place that the next one uses.
 struct KnownEquilibrium {
   Vector3d force;  // [N]
   ContactGuess at;
@@ -137,7 +137,7 @@ struct ContactEquilibrium::Impl {
     memory.place = place_factors(node, memory.reach);
     return memory;
   }
-  // Newton's method goes on with the factors at rest.
+  // Newton's method continues with the factors at rest.
   void forget_working_factors(ContactMemory& memory) const {
     memory.working.valid = false;
     if (!memory.place->rest.fronts.empty()) return;
@@ -377,7 +377,7 @@ TipSensitivity ContactSeries::sensitivity(const ContactState& at,
     }
     return result;
   };
-  // What is missing if rest and first touch are those of a changed solid, and all else is kept.
+  // The unbalanced forces if rest and first touch are those of a changed solid, all else equal.
   const auto missing = [&](const ContactEquilibrium& changed, const ContactState& first) {
     if (first.positions.size() != nodes)
       throw InvalidInput("ContactSeries::sensitivity(): a changed solid has other nodes");

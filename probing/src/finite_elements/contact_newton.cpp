@@ -41,7 +41,7 @@ double residual(const SystemForces& forces, const ContactStep& step) {
   return std::hypot(forces.nodes.norm(), force ? (forces.tip - step.target).norm() : 0.0);
 }
 
-// Where Newton's method begins. A tip that nothing holds is pressed in by what Hertz would expect,
+// The start of Newton's method. A tip that nothing holds is pressed in by the depth of Hertz' law,
 // so that the first system has a solution.
 ContactAttempt first_guess(const ContactSystem& system, double radius, double modulus,
                            const ContactState& start, const ContactStep& step) {

@@ -29,7 +29,7 @@ struct PlaceFactors {
 void factor_place(const ContactSystem& system, const PlaceFactors& place,
                   const Eigen::Matrix3Xd& positions, NestedFactors& factors);
 
-// Whether the tip touches a face beyond the reach of the place.
+// Returns true if the tip touches a face beyond the reach of the place.
 [[nodiscard]] bool touches_beyond(const ContactSystem& system, const PlaceFactors& place,
                                   const SystemForces& forces);
 
@@ -58,7 +58,7 @@ struct WorkingFactors {
   bool valid = false;
 };
 
-// Where Newton's method begins.
+// The start of Newton's method.
 struct ContactGuess {
   Eigen::Matrix3Xd positions;  // 3 x N [mm]
   Eigen::Vector3d tip;         // [mm]

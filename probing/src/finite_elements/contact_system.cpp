@@ -79,8 +79,8 @@ FaceNodes control_points(const FaceNodes& nodes) {
   return result;
 }
 
-// Whether a plane separates a face from the ball around the origin. Gilbert's iteration looks for
-// the nearest point of the hull; where it does not reach it, a face counts as near.
+// Returns true if a plane separates a face from the ball around the origin. Gilbert's iteration
+// looks for the nearest point of the hull; if it does not reach it, a face counts as near.
 bool is_beyond(const FaceNodes& nodes, double radius) {
   constexpr int kSteps = 4;
   const FaceNodes hull = control_points(nodes);

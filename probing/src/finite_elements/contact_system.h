@@ -28,7 +28,7 @@ struct ContactFace {
   double reach = 0;         // [mm] largest distance of two of its nodes
 };
 
-// What acts on a face from the tip: derivatives of the traction at its points.
+// The effect of the tip on a face: derivatives of the traction at its points.
 struct FaceContact {
   int face = 0;
   int point = 0;

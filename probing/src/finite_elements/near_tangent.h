@@ -9,7 +9,7 @@
 // The linear systems of an equilibrium: motions of nodes and tip that balance forces.
 namespace palpate::probing {
 
-// What is missing to balance: 3 N forces on nodes, then that on the tip [N].
+// Returns the unbalanced forces: 3 N on nodes, then that on the tip [N].
 [[nodiscard]] Eigen::VectorXd missing_forces(const SystemForces& forces, const ContactStep& step);
 
 // The system of Newton's method, with old factors of the solid and the contact as it is.
@@ -28,7 +28,7 @@ class NearTangent {
   Eigen::PartialPivLU<Eigen::MatrixXd> root_;
 };
 
-// Where the tangent is taken: positions of nodes and tip [mm], and the forces there.
+// The point of the tangent: positions of nodes and tip [mm], and the forces there.
 struct TangentPoint {
   const Eigen::Matrix3Xd& positions;
   const Eigen::Vector3d& tip;

@@ -26,7 +26,7 @@ void solve_tangent(const ContactSystem& system, const PlaceFactors& place,
   substitute_backward(place.tree, factors, vector);
 }
 
-// The linear answer of the solid to a motion of its supports by a part of their ways. With it, no
+// The linear answer of the solid to a motion of its supports by a part of their paths. With it, no
 // element beside a support is inverted by the motion.
 Eigen::Matrix3Xd move_supports(const DeformableBody& body, const ContactSystem& system,
                                const PlaceFactors& place, const Eigen::Matrix3Xd& positions,
@@ -53,7 +53,7 @@ Eigen::Matrix3Xd move_supports(const DeformableBody& body, const ContactSystem& 
   return moved;
 }
 
-// Whether Newton's method found the equilibrium near `positions`.
+// Returns true if Newton's method found the equilibrium near `positions`.
 bool settle(const ContactSystem& system, const PlaceFactors& place, int max_iterations,
             double least_scale, Eigen::Matrix3Xd& positions) {
   const Vector3d no_tip = Vector3d::Zero();
@@ -79,7 +79,7 @@ Eigen::Matrix3Xd rest_equilibrium(const DeformableBody& body, const ContactSyste
   // Rounding leaves forces where nothing moved; E R^2 is the scale of forces then.
   const double least_scale = largest_modulus(body) * options.tip_radius * options.tip_radius;
   const double least_step = std::ldexp(1.0, -options.max_halvings);
-  double done = 0, step = 1;  // of the ways of the supports
+  double done = 0, step = 1;  // of the motions of the supports
   while (done < 1) {
     const double next = std::min(1.0, done + step);
     Eigen::Matrix3Xd positions =

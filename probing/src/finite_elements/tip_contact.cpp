@@ -13,7 +13,7 @@ struct Entry {
   Eigen::Matrix3d derivative;  // [1/mm] by the point's position
 };
 
-// Where the way from `start`, outside, to `point`, inside, enters the ball.
+// Finds where the line from `start`, outside, to `point`, inside, enters the ball.
 Entry entry_into_ball(double radius, const Eigen::Vector3d& start, const Eigen::Vector3d& point) {
   const Eigen::Vector3d way = point - start;
   const double a = way.squaredNorm(), b = start.dot(way);
@@ -23,8 +23,8 @@ Entry entry_into_ball(double radius, const Eigen::Vector3d& start, const Eigen::
   const double part = std::clamp(c / (root - b), 0.0, 1.0);
   const Eigen::Vector3d at = (start + part * way) / radius;
   const double speed = at.dot(way);
-  // A way that only grazes the ball has no derivative; its anchor is kept then.
-  constexpr double kGrazing = 1e-3;  // cosine of the angle between the way and the normal
+  // A path that only grazes the ball has no derivative; its anchor is kept then.
+  constexpr double kGrazing = 1e-3;  // cosine of the angle between the path and the normal
   if (!(speed < -kGrazing * way.norm())) return {at, Eigen::Matrix3d::Zero()};
   return {at, part / radius * (Eigen::Matrix3d::Identity() - way * at.transpose() / speed)};
 }

@@ -185,7 +185,7 @@ geometry::TriangleMesh triangulated(std::span<const Contact> contacts,
   return mesh_of(contacts, trimming.triangles());
 }
 
-/// Which contact does not fit, by its place among those kept, and why.
+/// A contact that does not fit, by its index among those kept, and the reason.
 struct Misfit {
   std::size_t contact;
   std::string reason, advice;

@@ -48,7 +48,7 @@ class ImportColumns {
 [[nodiscard]] TableLayout layout_of(const AcquisitionMapping& mapping, std::string_view prefix,
                                     std::size_t file_number, long long first_row);
 
-/// What a table of presses without drags need not have.
+/// Adds defaults of the columns that a table of presses without drags may lack.
 void add_defaults_of_presses(TableLayout& layout);
 
 }  // namespace palpate::probing

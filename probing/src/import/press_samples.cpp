@@ -8,7 +8,7 @@
 namespace palpate::probing {
 namespace {
 
-constexpr double kTurned = 0.05;  // sine of the angle from which on a force or a way is turned
+constexpr double kTurned = 0.05;  // sine of the angle from which on a force or a path is turned
 
 bool is_turned(const Eigen::Vector3d& vector, const Eigen::Vector3d& from) {
   const Eigen::Vector3d along = from.normalized();
@@ -22,7 +22,7 @@ class PressCurve {
 
   void add(const HeldPress& piece) { points_.push_back({piece.force.dot(along_), piece.tip}); }
 
-  /// Where the tip was under this force; none if it is further than `tolerance` from all.
+  /// The position of the tip under this force; none if it is further than `tolerance` from all.
   [[nodiscard]] std::optional<Eigen::Vector3d> at(double force, double tolerance) const {
     const Point *below = nullptr, *above = nullptr;
     for (const Point& point : points_) {

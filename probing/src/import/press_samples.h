@@ -10,7 +10,7 @@
 
 namespace palpate::probing {
 
-/// What a press of a recording gives.
+/// The samples from a press of a recording.
 struct PressSamples {
   std::vector<Sample> samples;         ///< without ids, contact and group
   std::vector<bool> dragged;           ///< as many: the force was turned
@@ -18,7 +18,7 @@ struct PressSamples {
 };
 
 /// Makes samples of the pieces of a press. A piece is a drag if its force is turned from that of
-/// the first one, and its tip is beside the way of the presses before, both by more than a
+/// the first one, and its tip is beside the path of the presses before, both by more than a
 /// twentieth: b is its position, and a is interpolated between these presses, where the force along
 /// the first one was the same (to `touch_force` [N]). The slide becomes a sample that slipped.
 [[nodiscard]] PressSamples samples_of_press(const SeriesPress& press, double touch_force);

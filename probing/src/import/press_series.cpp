@@ -141,8 +141,8 @@ class Tare {
   /// Contact ends before this moment.
   void release(std::size_t moment) { release_ = known_ = moment; }
 
-  /// Finds the force anew before this moment, unless the tip was free too briefly, or not twice as
-  /// long as when it was last found. True if it is another one.
+  /// Finds the force again before this moment, unless the tip was free too briefly, or not twice as
+  /// long as when it was last found. Returns true if it was found again.
   bool update(std::size_t moment) {
     const bool brief = moments_[moment].time - moments_[release_].time < options_.tare_time;
     if (!options_.tare || brief || moment - release_ < 2 * (known_ - release_)) return false;

@@ -18,7 +18,7 @@ struct ZeroOfLine {
   double residual = 0;  // [mm^2] mean square
 };
 
-/// By a line of the ways over force^exponent.
+/// By a line of the distances over force^exponent.
 ZeroOfLine zero_of_line(std::span<const double> ways, std::span<const double> forces,
                         double exponent) {
   const auto count = static_cast<double>(ways.size());
@@ -52,9 +52,9 @@ struct ZeroOfPress {
 /// By lines over the force to several powers, weighted by how well they fit.
 ZeroOfPress zero_of_press(std::span<const double> ways, std::span<const double> forces) {
   constexpr std::array<double, 5> kExponents = {2.0 / 3, 3.0 / 4, 5.0 / 6, 11.0 / 12, 1};
-  // Residuals of one model are alike from moment to moment: many moments do not tell more.
+  // Residuals of one model are alike from moment to moment: many moments are not more informative.
   constexpr double kMostIndependent = 12;
-  constexpr double kRounding = 1e-6;  // of the range: a smaller residual tells nothing
+  constexpr double kRounding = 1e-6;  // of the range: a smaller residual means nothing
   const double independent = std::min(static_cast<double>(ways.size()), kMostIndependent);
   const double range = std::abs(ways.back() - ways.front());
   std::array<ZeroOfLine, kExponents.size()> lines;

@@ -8,7 +8,7 @@
 
 namespace palpate::probing {
 
-/// How deep a tip was when its force passed a threshold.
+/// Depth of a tip when its force passed a threshold.
 struct TouchDepth {
   double depth = 0;                                  ///< [mm] below the place of zero force
   double deviation = 0;                              ///< [mm] standard deviation of it
@@ -17,8 +17,8 @@ struct TouchDepth {
 
 /// Extrapolates the beginning of a press to zero force, by lines of the position over force^p. The
 /// exponents p from 2/3 (a ball on an elastic body, Hertz) to 1 (a spring) are weighted by how well
-/// they fit. The deviation also holds by how much the first half of the moments tells another
-/// place.
+/// they fit. The deviation also includes the difference to the place from the first half of the
+/// moments.
 /// \param tips [mm] positions from the threshold on, while the force rises
 /// \param forces [N] > 0, as many
 /// \param touch [mm] where the force passed the threshold

@@ -31,7 +31,7 @@ std::optional<TipSlide> TipSlides::compare(const Visit& visit, const Eigen::Vect
                                            const Eigen::Vector3d& force) const {
   const Eigen::Vector3d way = tip - visit.tip, along = visit.force.normalized();
   const double across = (way - way.dot(along) * along).norm();
-  // What the object gives way by for the forces that are not quite the same.
+  // The displacement of the object due to the difference of the forces.
   const double elastic = visit.compliance * ((force - visit.force).norm() + same_force_);
   if (!(across > slide_length_ + elastic)) return std::nullopt;
   return TipSlide{visit.moment, visit.tip, (visit.force + force) / 2};

@@ -10,7 +10,7 @@
 
 namespace palpate::probing {
 
-/// Where a tip began to slide along a surface.
+/// The place at which a tip began to slide along a surface.
 struct TipSlide {
   std::size_t last_held = 0;                        ///< moment until which the tip held
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< [mm] its position then

@@ -26,7 +26,7 @@ constexpr double kOtherUnit = 5;
 
 /// [mm] Poses that agree better than this need no explanation.
 constexpr double kBallsAgree = 1;
-/// An explanation counts iff it leaves at most this share of the distances.
+/// An explanation counts if it leaves at most this share of the distances.
 constexpr double kExplainsBalls = 1.0 / 3;
 
 /// Median distance from the middle, which a few wrong positions do not change much.

@@ -10,8 +10,8 @@
 
 namespace palpate::probing {
 
-/// Why no pose explains these positions of the ball: another radius or unit, left-handed axes, or
-/// wrong orientations.
+/// Returns why no pose explains these positions of the ball: another radius or unit, left-handed
+/// axes, or wrong orientations.
 [[nodiscard]] std::optional<std::string> impossible_balls(const BallPoints& balls,
                                                           double ball_radius);
 

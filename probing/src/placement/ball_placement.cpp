@@ -35,9 +35,9 @@ constexpr std::size_t kFewest = 4, kFewestWithOffset = 6;
 /// quarter only.
 constexpr double kBallOutlier = 6;
 
-/// The offset is estimated iff moving it by 1 mm in the weakest direction changes the positions,
-/// and no pose makes up for it, by at least this much (root mean square): orientations differ by
-/// about 6 degrees about two axes.
+/// The offset is estimated if moving it by 1 mm in the weakest direction changes the positions, and
+/// no pose compensates it, by at least this much (root mean square): orientations differ by about 6
+/// degrees about two axes.
 constexpr double kOffsetShown = 0.1;
 
 constexpr int kMostBallSteps = 100;
@@ -96,7 +96,7 @@ BallEquations equations_of(const BallPoints& balls, const BallState& state, cons
   return sums;
 }
 
-/// What is left of the equations of the offset once the pose has made up for it as far as it can.
+/// Returns the equations of the offset after the pose has compensated as much as possible.
 Matrix3d offset_alone(const BallEquations& sums) {
   const Eigen::CompleteOrthogonalDecomposition<Matrix6d> pose(sums.pose.normal);
   return sums.offset - sums.both.transpose() * pose.solve(sums.both);
@@ -197,7 +197,7 @@ FittedBalls fit_balls(const BallPoints& balls, const Eigen::Isometry3d& start, b
   return fitted;
 }
 
-/// Whether the orientations determine the offset of the ball.
+/// Returns true if the orientations determine the offset of the ball.
 bool determine_offset(const BallPoints& balls, const Eigen::Isometry3d& pose) {
   if (!balls.oriented || balls.size() < static_cast<Eigen::Index>(kFewestWithOffset)) return false;
   const BallState state{.T_camera_base = pose};
@@ -207,7 +207,7 @@ bool determine_offset(const BallPoints& balls, const Eigen::Isometry3d& pose) {
   return axes.eigenvalues()[0] > kOffsetShown * kOffsetShown * static_cast<double>(balls.size());
 }
 
-/// Why the orientations cannot be those of the tip, if the positions agree with others much better.
+/// Explains why orientations cannot be those of the tip, if positions agree better with others.
 std::optional<std::string> wrong_orientations(const BallPoints& balls,
                                               const Eigen::Isometry3d& start, double variance) {
   constexpr double kAgree = 0.5 * 0.5;                 // [mm^2] needs no explanation

@@ -16,11 +16,11 @@ namespace {
 /// Of the largest eigenvalue: directions below are fixed by rounding alone.
 constexpr double kFixed = 1e-12;
 
-/// A pose is determined iff typical positions have standard deviations of at most this share of
+/// A pose is determined if typical positions have standard deviations of at most this share of
 /// their distance from their middle.
 constexpr double kDetermined = 0.1;
 
-/// Advice is given iff it leaves at most this share of the deviation.
+/// Advice is given if it leaves at most this share of the deviation.
 constexpr double kHelps = 0.95;
 
 struct Weakest {

@@ -28,7 +28,7 @@ struct PoseEquations {
   /// Adds error^T information error of a place.
   void add(const Eigen::Vector3d& place, const Eigen::Matrix3d& information,
            const Eigen::Vector3d& error);
-  /// How a place moves with the motion.
+  /// Derivative of the motion of a place by the unknowns.
   [[nodiscard]] Eigen::Matrix<double, 3, 6> motion_at(const Eigen::Vector3d& place) const;
   /// Makes a motion free that is fixed only by noise.
   void release(const Vector6d& motion);
@@ -39,7 +39,7 @@ struct PoseEquations {
   [[nodiscard]] Matrix6d covariance(double variance) const;
 };
 
-/// Where a further measurement could be taken.
+/// A place for a further measurement.
 struct Candidate {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();        ///< [mm] frame of the camera
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< as that of the measurements
@@ -53,7 +53,7 @@ std::optional<std::string> state_errors(const PoseEquations& equations, double v
                                         const std::vector<Candidate>& candidates, double least_gain,
                                         ArmPlacement& placement);
 
-/// What is said of a pose that hardly moves anything: the positions are already the camera's.
+/// Adds a doubt if a pose hardly moves anything: the positions are already the camera's.
 void doubt_frame(ArmPlacement& placement);
 
 }  // namespace palpate::probing

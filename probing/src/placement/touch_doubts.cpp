@@ -31,14 +31,14 @@ constexpr double kLeastCovered = 0.1, kMostCovered = 1.5;
 constexpr double kSuspiciousRms = 0.3;
 /// Share of the touches that lie on the surface if nothing is wrong.
 constexpr double kFits = 0.75;
-/// An explanation counts iff it leaves at most this share of the distances.
+/// An explanation counts if it leaves at most this share of the distances.
 constexpr double kExplainsTouches = 1.0 / 3;
 
 double largest_extent(const Matrix3Xd& points) {
   return (points.rowwise().maxCoeff() - points.rowwise().minCoeff()).norm();
 }
 
-/// Whether more than noise, or than motions that the surface leaves free, is wrong.
+/// Returns true if there is an error beyond noise and beyond motions that the surface leaves free.
 bool is_misfit(const geometry::Registration& found) {
   using enum geometry::RegistrationVerdict;
   if (found.verdict == too_few_points) return false;

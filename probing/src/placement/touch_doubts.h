@@ -11,7 +11,7 @@
 
 namespace palpate::probing {
 
-/// As many as a registration needs to be judged.
+/// Fewest touches with which a registration can be judged.
 inline constexpr int kFewestTouches = 16;
 
 /// Registers touches to the surface, from the rough pose or from everywhere.
@@ -20,7 +20,7 @@ inline constexpr int kFewestTouches = 16;
                                                     const geometry::RegistrationTarget& target,
                                                     const TouchPlacementOptions& options);
 
-/// Why no pose puts these touches on the surface, for example because they are in another unit.
+/// Returns why no pose puts these touches on the surface, for example because of another unit.
 [[nodiscard]] std::optional<std::string> impossible_touches(const Eigen::Matrix3Xd& tips,
                                                             const geometry::TriangleMesh& surface);
 

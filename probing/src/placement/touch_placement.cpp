@@ -35,7 +35,7 @@ constexpr int kMostTouchSteps = 20;
 
 constexpr int kPoseUnknowns = 6;
 
-/// What slides is held only where the surface is inclined by 18 degrees against the motion (sine):
+/// A sliding motion is held only where the surface is inclined by 18 degrees against it (sine):
 /// less may be noise.
 constexpr double kRelief = 0.3;
 
@@ -115,7 +115,7 @@ std::vector<Candidate> further_touches(const geometry::TriangleMesh& surface,
     if (normals.col(i).allFinite()) some.push_back(i);
   const Matrix3Xd places = surface.vertices(Eigen::all, some) + radius * normals(Eigen::all, some);
   const geometry::TargetPlanes planes = planes_at(target, places);
-  // Where the tip touches beside the vertex, it does not reach the vertex.
+  // A tip that touches beside the vertex does not reach the vertex.
   const double kReached = 0.1 * radius;
   std::vector<Candidate> candidates;
   for (Eigen::Index i = 0; i < places.cols(); ++i) {

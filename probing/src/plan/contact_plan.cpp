@@ -29,7 +29,7 @@ namespace {
 
 using geometry::TriangleMesh;
 
-/// A ball touches another place iff it contains a point deeper than this part of its radius: above
+/// A ball touches another place if it contains a point deeper than this part of its radius: above
 /// the noise of scans at usual radii.
 constexpr double kObstruction = 0.1;
 constexpr int kEligibilities = 6;
@@ -39,7 +39,7 @@ constexpr int kAnyNumber = std::numeric_limits<int>::max();
 constexpr double kMostPlaces = 1e5;
 constexpr double kGoldenAngle = 2 * std::numbers::pi * (2 - std::numbers::phi);  // [rad]
 
-/// That of 2.6 N of the usual 3 N, where there is none.
+/// The given highest force, or by default the maximum times 2.6 / 3.
 double highest_force(const PlanOptions& options) {
   return options.highest_force.value_or(2.6 * (options.max_force / PlanOptions{}.max_force));
 }

@@ -10,7 +10,7 @@ namespace {
 
 enum class Side { right, forces_reversed, normals_inwards, tool_outside };
 
-/// Whether the tool goes outwards as it presses harder, and is there under the larger forces.
+/// True if the tool moves outwards as it presses harder, and is outside under the larger forces.
 bool is_outside(const Presses& presses) {
   double weight = 0, height = 0, force = 0, squares = 0;
   for (const Press& press : presses) {

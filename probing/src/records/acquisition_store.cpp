@@ -51,8 +51,8 @@ double length_of(const std::string& text) {
 Acquisition read_tables(sqlite3* database, std::uintmax_t file_size) {
   Acquisition acquisition;
   execute(database, "BEGIN");  // a campaign may be adding samples: all tables as of one moment
-  // A list that grows is in memory twice. What claims to be a table may count anything, but each
-  // sample takes a byte a column at least.
+  // A list that grows is in memory twice. A file that claims to be a table may state any count, but
+  // each sample takes at least one byte per column.
   constexpr std::uintmax_t kColumns = 16;
   const long long count = number_of(database, "SELECT count(*) FROM sample");
   acquisition.samples.reserve(static_cast<std::size_t>(

@@ -30,8 +30,8 @@ std::string shown(std::string_view text) {
   return result + (text.size() > kShownLength ? "...'" : "'");
 }
 
-// The cells of a line, where they stand in it but for quoted ones, which lose their quotes in
-// place; false if a quote is not closed or stands inside a cell.
+// Splits a line into cells, in place; quoted cells lose their quotes. Returns false if a quote is
+// not closed or stands inside a cell.
 bool split(std::string& line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
   const std::size_t size = line.size();
@@ -110,7 +110,7 @@ bool has_thousands(std::string_view text) {
   return digits.size() < trimmed(text).size() && parse<double>(digits).has_value();
 }
 
-// What would be right in place of a cell that is no number.
+// The correct content in place of a cell that is no number.
 std::string_view right_number(std::string_view cell, bool decimal_comma) {
   if (!decimal_comma && has_decimal_comma(cell)) return "a decimal point in place of the comma";
   if (has_thousands(cell)) {
@@ -121,7 +121,7 @@ std::string_view right_number(std::string_view cell, bool decimal_comma) {
   return decimal_comma ? "a finite number such as -1,5" : "a finite number such as -1.5e-3";
 }
 
-// Whether a column seems to be the one with this name: with a unit, or in other letters.
+// Returns true if a column seems to be the one with this name: with a unit, or in other letters.
 bool is_like(std::string_view cell, std::string_view name) {
   const std::string_view found =
       trimmed(trimmed(cell).substr(0, trimmed(cell).find_first_of("([")));
@@ -223,7 +223,7 @@ std::optional<CsvReader::Source> CsvReader::find_source(const std::string& name,
   return std::nullopt;
 }
 
-// Where each wanted column stands in the first line, which was just read.
+// Finds the position of each wanted column in the first line, which was just read.
 void CsvReader::find_columns(const TableLayout& layout) {
   for (const std::string& column : columns_) {
     const auto named = layout.names.find(column);

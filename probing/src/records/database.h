@@ -45,7 +45,7 @@ struct CloseDatabase {
 using Database = std::unique_ptr<sqlite3, CloseDatabase>;
 using Statement = std::unique_ptr<sqlite3_stmt, CloseDatabase>;
 
-/// What went wrong with a database; who calls decides whether it is about reading or writing.
+/// A failure of a database; the caller decides whether it is about reading or writing.
 struct DatabaseError : Error {
   using Error::Error;
 };

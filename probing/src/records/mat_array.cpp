@@ -19,7 +19,7 @@
 namespace palpate::probing {
 namespace {
 
-/// What libmatio last complained of. It goes on after damage that it has noticed.
+/// The last complaint of libmatio. It continues after damage that it has noticed.
 thread_local std::string complaint;
 
 void keep_complaint(int /*level*/, char* message) { complaint = message; }
@@ -33,7 +33,7 @@ struct MatDelete {
   throw FileError(where + ": " + what + "; the file is damaged or cut off, copy it again");
 }
 
-/// Whether these are whole compressed data, as their checksum says.
+/// Returns true if these are whole compressed data, by their checksum.
 bool can_be_unpacked(std::string_view bytes) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();

@@ -186,7 +186,7 @@ struct MatReader::Columns {
     return part;
   }
 
-  /// What a name means; none if there is no such variable.
+  /// The meaning of a name; none if there is no such variable.
   [[nodiscard]] std::optional<Source> source_of(const std::string& text, bool renamed) const {
     if (renamed) {
       if (text.empty()) return Source{};

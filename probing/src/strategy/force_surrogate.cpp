@@ -48,8 +48,8 @@ Bent bend(const Vector3d& force) {
   return {rho * force, jacobian};
 }
 
-// What is assumed of the displacements: that they are the gradient of an energy, or nothing but
-// that they are as smooth, each component by itself.
+// The assumption about the displacements: that they are the gradient of an energy, or only that
+// each component is as smooth.
 enum class Law { energy, any };
 
 // Covariance of the displacements under two forces, relative to the squared mean compliance; with

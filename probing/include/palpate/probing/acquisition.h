@@ -47,12 +47,12 @@ struct Acquisition {
   std::optional<double> probe_radius = {};
 };
 
-/// Two contacts are at one place iff their distance <= kSamePlaceTolerance * diagonal of the box
-/// around all contacts. 1e-6: far below what an arm can tell apart, far above the last digit of a
+/// Two contacts are at one place if their distance <= kSamePlaceTolerance * diagonal of the box
+/// around all contacts. 1e-6: far below the resolution of an arm, far above the last digit of a
 /// file.
 inline constexpr double kSamePlaceTolerance = 1e-6;
 
-/// A normal counts as a unit vector iff | |n| - 1 | <= kUnitLengthTolerance: three printed digits.
+/// A normal counts as a unit vector if | |n| - 1 | <= kUnitLengthTolerance: three printed digits.
 inline constexpr double kUnitLengthTolerance = 2e-3;
 
 /// An acquisition that was checked once, when it was made or read. Functions that take one need not

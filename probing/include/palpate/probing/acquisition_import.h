@@ -12,7 +12,7 @@
 
 namespace palpate::probing {
 
-/// What was found in recordings and what was left out, over all files.
+/// Counts of the presses found in recordings and of those left out, over all files.
 struct SeriesCounts {
   std::size_t presses = 0;        ///< with those that are empty
   std::size_t empty_presses = 0;  ///< presses without a quasi-static piece

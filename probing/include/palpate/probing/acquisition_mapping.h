@@ -14,22 +14,22 @@
 
 namespace palpate::probing {
 
-/// What a row of measurements is.
+/// The meaning of a row of measurements.
 enum class RowContent {
   presses_and_drags,  ///< a sample with all columns, see acquisition_csv.h
   presses,            ///< a sample without a drag: b is a, it did not slip, and is its own group
   time_series         ///< the tip at one moment: time, ax,ay,az (its position), px,py,pz
 };
 
-/// Where the contacts come from.
+/// The source of the contacts.
 enum class ContactSource {
   table,   ///< they have a table of their own: id,x,y,z,nx,ny,nz
   column,  ///< rows with the same `contact` are one; it has the mean of their x,y,z and nx,ny,nz
   place    ///< the same for rows whose x,y,z are at one place; they need no column `contact`
 };
 
-/// How the files of another laboratory become contacts and samples. docs/measurements.md describes
-/// each field, and the mapping file that holds them.
+/// Mapping of the files of another laboratory to contacts and samples. docs/measurements.md
+/// describes each field, and the mapping file that holds them.
 struct AcquisitionMapping {
   /// Names of columns in the files, where they differ. "contacts.id" and "samples.id" are the
   /// column `id` of one of the two tables. Besides the columns of acquisition_csv.h there are

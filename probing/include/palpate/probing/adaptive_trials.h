@@ -30,7 +30,7 @@ enum class AdaptiveStop {
 /// "none", "accurate", "max_hours", "max_samples", "exhausted".
 [[nodiscard]] const char* to_string(AdaptiveStop stop);
 
-/// What a campaign says of its own accuracy. Numbers are NaN until enough is known.
+/// The accuracy that a campaign states of itself. Numbers are NaN until enough is known.
 struct StatedError {
   double error = std::numeric_limits<double>::quiet_NaN();        ///< [N] of the model, RMS
   double at_contacts = std::numeric_limits<double>::quiet_NaN();  ///< [N] the part of noise
@@ -50,10 +50,10 @@ struct StatedError {
 /// Each contact begins with a base of five normal forces in nearly even steps, with the tangential
 /// directions of the plan, at the force that slips with a probability of 5 %, or of `cautious`
 /// where friction is not yet known. After that either the next contact of the plan is begun, or a
-/// contact gets another trial: whichever reduces the stated error more per second. A
-/// `ForceSurrogate` of each contact says what a trial would tell; what contacts would tell is
-/// learnt by predicting each from the others around it. The decisions are a function of the plan,
-/// the options and the records it took.
+/// contact gets another trial: whichever reduces the stated error more per second. The benefit of a
+/// trial is predicted by a `ForceSurrogate` of each contact; that of a contact is learnt by
+/// predicting each contact from the others around it. The decisions are a function of the plan, the
+/// options and the records it took.
 class AdaptiveTrials {
  public:
   /// \param options whose strategy is `adaptive`, whatever they say

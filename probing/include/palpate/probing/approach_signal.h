@@ -14,7 +14,7 @@ struct ApproachSample {
   double force = 0;     ///< [N] that was commanded from this sample on, besides compensations
 };
 
-/// Why the signal of an approach cannot be used.
+/// The fault of the signal of an approach.
 enum class SignalFault {
   none,
   not_finite,      ///< a time, position or force is NaN or infinite
@@ -31,11 +31,11 @@ enum class SignalFault {
 
 struct SignalOptions {
   double quantum = 0.03;      ///< [mm] step between two positions that the encoders tell apart; > 0
-  double longest_gap = 4e-3;  ///< [s] refused iff the time since the last sample is longer; > 0
+  double longest_gap = 4e-3;  ///< [s] refused if the time since the last sample is longer; > 0
   double highest_speed = 1000;  ///< [mm/s] a step of more than this and 4 quanta is a jump; > 0
-  double longest_rest = 0.1;    ///< [s] refused iff the position is the same for longer; > 0
+  double longest_rest = 0.1;    ///< [s] refused if the position is the same for longer; > 0
   double chatter_distance = 3;  ///< [quanta] a run back is longer than this; >= 1
-  int chatter_runs = 3;         ///< refused iff there are this many runs back within `chatter_time`
+  int chatter_runs = 3;         ///< refused if there are this many runs back within `chatter_time`
   double chatter_time = 0.2;    ///< [s] > 0
 };
 

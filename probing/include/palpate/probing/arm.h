@@ -11,18 +11,18 @@
 
 namespace palpate::probing {
 
-/// What an arm is and can do.
+/// The properties and abilities of an arm.
 struct ArmDescription {
   std::string name;
   double period = 1e-3;             ///< [s] between two states
   double highest_force = 0;         ///< [N] that the arm can apply at its tip for a moment
-  double continuous_force = 0;      ///< [N] that it can hold for as long as one likes
+  double continuous_force = 0;      ///< [N] that it can hold continuously
   bool measures_joints = false;     ///< `ArmState::joints`
   bool measures_force = false;      ///< `ArmState::delivered_force`
   bool measures_heat = false;       ///< `ArmState::heat`
   bool measures_reference = false;  ///< `ArmState::reference_force`
-  bool real_time = true;            ///< its clock goes on while nobody reads; not in simulations
-  // What playback also uses. 0: not known, or none.
+  bool real_time = true;            ///< its clock runs while nobody reads; not in simulations
+  // Values that playback also uses. 0: not known, or none.
   double highest_torque = 0;   ///< [N mm] at the tip
   double damping = 0;          ///< [N s/mm] that the device alone has at least
   double friction = 0;         ///< [N] of dry (Coulomb) friction that it has at least
@@ -35,7 +35,7 @@ struct ArmDescription {
   bool reports_armed = false;         ///< `ArmState::armed` may be false
 };
 
-/// An arm at one moment, in the frame of its base. What the arm does not measure is NaN.
+/// An arm at one moment, in the frame of its base. Values that the arm does not measure are NaN.
 struct ArmState {
   double time = 0;                                ///< [s] of the measurement, on the arm's clock
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();  ///< [mm] by the encoders: without flexure
@@ -59,7 +59,7 @@ struct ArmState {
   static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What the motors shall do, in the frame of the base.
+/// A command to the motors, in the frame of the base.
 struct ArmCommand {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] of the motors at the tip
   double lease = 0.01;  ///< [s] after which the arm drops the force unless it is commanded again

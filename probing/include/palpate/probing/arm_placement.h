@@ -31,11 +31,11 @@ struct PlacementAdvice {
   double after = 0;       ///< [mm] the same with one more measurement
 };
 
-/// Where the base of an arm stands in the frame of a camera.
+/// The pose of the base of an arm in the frame of a camera.
 struct ArmPlacement {
   /// Maps coordinates of the base to those of the camera: `pose` of a setup.
   Eigen::Isometry3d T_camera_base = Eigen::Isometry3d::Identity();
-  /// Whether the pose can be used. Read this first.
+  /// True if the pose can be used. Read this first.
   bool determined = false;
   std::string reason;  ///< in a sentence, with figures
   /// [mm] Mean of the used positions of the tip, frame of the camera.
@@ -47,7 +47,7 @@ struct ArmPlacement {
   int used = 0;
   std::vector<PlacementResidual> residuals;  ///< one per measurement, in their order
   std::optional<PlacementAdvice> advice;     ///< none if no measurement would help
-  std::vector<std::string> doubts;           ///< what is unlikely about the measurements
+  std::vector<std::string> doubts;           ///< unlikely features of the measurements
 
   [[nodiscard]] Eigen::Vector3d turn_deviation() const {  ///< [rad]
     return covariance.diagonal().head<3>().cwiseSqrt();

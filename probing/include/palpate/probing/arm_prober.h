@@ -27,15 +27,15 @@ struct ArmStopped : DeviceError {
   ArmFault fault;
 };
 
-/// What is added to a force, besides gravity, so that the friction of the joints does not change
-/// it.
+/// A part of the force, besides gravity, which is added so that the friction of the joints does not
+/// change it.
 enum class FrictionCompensation {
   none,     ///< nothing
-  held,     ///< what the joints needed in free space before the touch (thesis 4.4.3.2)
-  followed  ///< the same at first, then turned round as each joint turns, by its encoder
+  held,     ///< the force that the joints needed in free space before the touch (thesis 4.4.3.2)
+  followed  ///< the same at first, then reversed as each joint turns, by its encoder
 };
 
-/// How an arm is moved and how it presses. Defaults suit a PHANToM and `VirtualArm`.
+/// Options for moving an arm and pressing with it. Defaults suit a PHANToM and `VirtualArm`.
 struct ArmProberOptions {
   ArmGeometry geometry;
   Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
@@ -43,7 +43,7 @@ struct ArmProberOptions {
   JointGains gains;
   SafetyLimits limits;
   ContactOptions contact;
-  /// [N/mm] between the encoders and the tip; > 0. Its deflection is taken off each position.
+  /// [N/mm] between the encoders and the tip; > 0. Its deflection is subtracted from each position.
   double structure = 3.5;
   double travel_speed = 60;    ///< [mm/s] in free space; > 0
   double start_distance = 4;   ///< [mm] before the surface, where internal forces are measured; > 0
@@ -57,7 +57,7 @@ struct ArmProberOptions {
   double ramp = 2;             ///< [N/s] by which forces grow; > 0
   double damping = 0.015;      ///< [N s/mm] of the pressed tip; >= 0
   FrictionCompensation friction = FrictionCompensation::followed;  ///< others are for comparison
-  /// [rad] way on which the friction of a joint turns round; > 0
+  /// [rad] motion in which the friction of a joint reverses; > 0
   double presliding = 2.5e-4;
   /// Friction of a joint that moves, relative to what it keeps when it is held; >= 1. A held joint
   /// relaxes a little, a tip that creeps to rest does not.

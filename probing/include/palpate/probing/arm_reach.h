@@ -14,7 +14,7 @@
 
 namespace palpate::probing {
 
-/// Whether an arm can probe a contact, and why not.
+/// The reach of an arm at a contact: reachable, or the reason against it.
 enum class Reach {
   reachable,
   too_far,      ///< the links are too short
@@ -27,7 +27,7 @@ inline constexpr std::size_t kReaches = 6;
 /// "reachable", "too_far", "too_near", "joint_limit", "too_weak", "collides".
 [[nodiscard]] const char* to_string(Reach reach);
 
-/// How far the links stay from the object while the tip comes to it. Links are the lines between
+/// Distances of the links from the object while the tip comes to it. Links are the lines between
 /// the joints, and from the last joint to the tip.
 struct LinkClearance {
   double distance = 3;   ///< [mm] of each link from the surface, with half of its thickness; >= 0
@@ -48,11 +48,11 @@ struct ReachOptions {
   LinkClearance links = {};
 };
 
-/// Whether the tip can be at a place, with `margin`, and apply no force.
+/// Checks whether the tip can be at a place, with `margin`, and apply no force.
 [[nodiscard]] Reach reach_of(const Eigen::Vector3d& p_world, const ReachOptions& options);
 
-/// Whether the links stay away from a surface (world frame) while the tip is at a place, which must
-/// be reachable: every point of them, up to 0.05 mm.
+/// Returns true if the links stay away from a surface (world frame) while the tip is at a place,
+/// which must be reachable: every point of them, up to 0.05 mm.
 [[nodiscard]] bool links_are_clear(const Eigen::Vector3d& p_world,
                                    const geometry::SurfaceQuery& surface,
                                    const ReachOptions& options);

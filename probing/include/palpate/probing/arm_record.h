@@ -30,7 +30,7 @@ namespace palpate::probing {
 /// Records another arm, which must outlive it. Writes go through a buffer of 1 MB.
 class RecordingArm final : public Arm {
  public:
-  /// \param session what a replay must know besides, as text.
+  /// \param session further text that a replay needs.
   /// \throws OutputError if the file cannot be written.
   RecordingArm(Arm& arm, const std::filesystem::path& path, const std::string& session = {});
   ~RecordingArm() override;
@@ -54,21 +54,21 @@ class RecordingArm final : public Arm {
   std::unique_ptr<File> file_;
 };
 
-/// An arm that answers as a record says, as long as it is commanded what was commanded then; the
-/// same program gets the same measurements from it. At the end of the record, or at a command that
-/// differs, it does not answer any more, and `last_error` says why.
+/// An arm that answers as in a record, as long as it gets the recorded commands; the same program
+/// gets the same measurements from it. At the end of the record, or at a command that differs, it
+/// does not answer any more, and `last_error` says why.
 class ReplayArm final : public Arm {
  public:
   /// \throws FileError if the file is no record, or of another version.
   explicit ReplayArm(const std::filesystem::path& path);
   ~ReplayArm() override;
-  /// As it was given to `RecordingArm`.
+  /// The text that was given to `RecordingArm`.
   [[nodiscard]] const std::string& session() const noexcept;
 
   [[nodiscard]] const ArmDescription& description() const noexcept override;
   [[nodiscard]] double now() const noexcept override;
   void activate() override;
-  /// Goes to the beginning of this trial in the record; if it has none, goes on.
+  /// Goes to the beginning of this trial in the record; if it has none, continues.
   void begin_trial(long long trial) noexcept override;
   [[nodiscard]] bool read(ArmState& state) noexcept override;
   [[nodiscard]] bool write(const ArmCommand& command) noexcept override;

@@ -15,7 +15,7 @@
 
 namespace palpate::probing {
 
-/// How an arm stands before an object, and how it is used.
+/// The pose of an arm before an object, and its options.
 struct ArmSetup {
   ArmProberOptions prober;
   LinkClearance links;

@@ -20,7 +20,7 @@ struct TrialRecord {
   TrialResult result;
 };
 
-/// What was decided after a trial, beside the next one.
+/// The decisions after a trial, beside the next one.
 struct TrialVerdict {
   /// The trial that held the largest tangential force of its direction and level, once it is known
   /// that a larger one slips: its sample lies on the friction boundary.
@@ -44,7 +44,7 @@ struct CampaignProgress {
 };
 
 /// Decides what to try next. The decisions are a function of the plan, the options and the records
-/// it took: a campaign that takes the stored records of another goes on as that one would.
+/// it took: a campaign that takes the stored records of another continues as that one would.
 ///
 /// `adaptive` is described with `AdaptiveTrials`. Otherwise contacts come in the order of the plan,
 /// and at each one its levels ascend; each begins with the

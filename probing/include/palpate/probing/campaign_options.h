@@ -7,11 +7,11 @@
 
 namespace palpate::probing {
 
-/// How trials are chosen.
+/// The strategy by which trials are chosen.
 enum class TrialStrategy {
-  pooled,     ///< where trials tell most about friction, with what other contacts have shown
+  pooled,     ///< the most informative ones for friction, given those of other contacts
   bisection,  ///< thesis 4.3
-  adaptive    ///< where they reduce the error of the model most per second: `AdaptiveTrials`
+  adaptive    ///< those that reduce the error of the model most per second: `AdaptiveTrials`
 };
 /// "pooled", "bisection", "adaptive".
 [[nodiscard]] const char* to_string(TrialStrategy strategy);

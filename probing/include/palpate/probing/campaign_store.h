@@ -13,13 +13,13 @@
 
 namespace palpate::probing {
 
-/// What a campaign is: all that its decisions and its arm depend on, as text.
+/// The description of a campaign: all that its decisions and its arm depend on, as text.
 struct CampaignDescription {
   std::string plan;         ///< `to_text` of its plan
   std::string strategy;     ///< of CampaignOptions and the seed (JSON)
-  std::string arm;          ///< what the arm needs to go on; not read by the campaign
+  std::string arm;          ///< data with which the arm continues; not read by the campaign
   std::string software;     ///< name and version of the program
-  std::string camera = {};  ///< what the camera needs to go on, as `arm`; empty: there is none
+  std::string camera = {};  ///< data with which the camera continues; empty: no camera
   std::optional<double> probe_radius = {};  ///< [mm] as in `Acquisition`
 };
 
@@ -41,7 +41,7 @@ class CampaignStore {
   /// \throws OutputError if `path` exists, or cannot be written.
   static CampaignStore create(const std::filesystem::path& path,
                               const CampaignDescription& description);
-  /// Opens a campaign in order to go on with it.
+  /// Opens a campaign in order to continue it.
   /// \throws FileError if it is missing, damaged, of a newer version, or holds no campaign.
   /// \throws OutputError if it is read-only, or another process writes into it.
   static CampaignStore open(const std::filesystem::path& path);

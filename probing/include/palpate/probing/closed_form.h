@@ -22,7 +22,7 @@ struct LocalCone {
   double friction = 0;
 };
 
-/// Whether a force (local) lies inside the cone.
+/// Returns true if a force (local) lies inside the cone.
 [[nodiscard]] bool holds(const LocalCone& cone, const Eigen::Vector3d& force);
 
 /// A gently curved sheet, stretched along x between supports, optionally with a stiff block below
@@ -125,8 +125,8 @@ struct ElasticBody {
 [[nodiscard]] Eigen::Vector3d displacement_at(const ElasticBody& body, double x, double y,
                                               const Eigen::Vector3d& force);
 
-/// [mm] How the force moves the place `beside` [mm] (x, y from the contact) of the surface: by the
-/// tractions to which the two compliances belong, p / sqrt(1 - r^2 / a^2) over the tool's disc
+/// [mm] Motion of the place `beside` [mm] (x, y from the contact) of the surface by the force: from
+/// the tractions to which the two compliances belong, p / sqrt(1 - r^2 / a^2) over the tool's disc
 /// (Boussinesq, Cerruti; Johnson 3.2 and 3.6), so that all of the disc moves as the tool. Beside
 /// it, the normal displacement is 2 / pi asin(a / r) of the tool's. Below nu = 1/2, the normal part
 /// of the force also moves the surface sideways and the tangential part along the normal, by at

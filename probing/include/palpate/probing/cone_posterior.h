@@ -16,8 +16,8 @@ struct ConeTrial {
   bool slipped = false;
 };
 
-/// What is known of a friction cone before the first trial: independent normal distributions of the
-/// angle between axis and surface and of the axis's two tilts against the pressing direction.
+/// Prior of a friction cone before the first trial: independent normal distributions of the angle
+/// between axis and surface and of the axis's two tilts against the pressing direction.
 struct ConePrior {
   double angle = 0.7;            ///< [rad] mean of the angle; 0.7: a coefficient of 0.84
   double angle_deviation = 0.4;  ///< [rad] > 0
@@ -37,15 +37,15 @@ struct ConeEstimate {
   double tilt = 0;        ///< [rad] angle between axis and pressing direction
 };
 
-/// What cones of other contacts of an object say of one more. The spread of their angles, and that
-/// of their tilts, are those among them with the usual ones as if of two contacts more. Cones that
-/// are not known to 0.1 rad do not count; without any it is the usual prior.
+/// Returns the prior of a contact from the cones of other contacts of an object. The spreads of
+/// their angles and of their tilts are combined with the usual ones, which count as two further
+/// contacts. Cones not known to 0.1 rad do not count; without any it is the usual prior.
 [[nodiscard]] ConePrior pooled_prior(std::span<const ConeEstimate> cones, double force_noise);
 
-/// What trials tell of the friction cone of one contact: its distribution by Bayes' rule, on a grid
+/// The distribution of the friction cone of one contact after trials, by Bayes' rule, on a grid
 /// that follows it. A trial with the signed distance d = cos(angle) |f_T| - sin(angle) f.axis from
 /// the cone slips with the probability e + (1 - 2 e) Phi(d / noise); e = 2 % stands for slips that
-/// are judged wrongly. Unlike the most likely cone, the mean over all cones stays right where no
+/// are judged wrongly. Unlike the most likely cone, the mean over all cones stays right even if no
 /// direction has both a force that held and one that slipped.
 class ConePosterior {
  public:

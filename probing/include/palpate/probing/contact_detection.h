@@ -13,7 +13,7 @@
 
 namespace palpate::probing {
 
-/// What is known about an approach before it begins.
+/// Prior knowledge of an approach.
 ///
 /// Free motion follows m s'' = f(t) + e with the commanded force f, a mass m that is nearly known,
 /// and a small unknown constant e (friction and gravity that were not compensated). On the object
@@ -45,7 +45,7 @@ struct ContactOptions {
 ///
 /// Each test asks how much better the motion is explained by a spring that began to act 8, 16, ...
 /// 512 samples ago. The commanded force is part of the model, so the tip may be braked meanwhile.
-/// The thesis' rule is `ParabolaDetector`. `estimate_contact` then tells where the surface was.
+/// The thesis' rule is `ParabolaDetector`. `estimate_contact` then finds the surface.
 class ContactDetector {
  public:
   /// Allocates all it will need. \throws InvalidInput on an option outside its range.
@@ -78,7 +78,7 @@ class ContactDetector {
   std::array<int, kLags> passed_{};  // tests in succession that found a contact
 };
 
-/// The surface as an approach tells it.
+/// The surface as estimated from an approach.
 struct ContactEstimate {
   double time = 0;                ///< [s]
   double position = 0;            ///< [mm] of the surface, along the approach

@@ -41,8 +41,8 @@ struct EquilibriumOptions {
   /// Stiffness of the contact per area, times the length of a face over the Young's modulus below
   /// it; > 0. Larger is more exact, and harder to solve.
   double stiffness = 50;
-  double tolerance = 1e-6;  ///< converged iff unbalanced forces <= tolerance times |force|; > 0
-  int load_steps = 1;       ///< in which a force or a way is applied at least; >= 1
+  double tolerance = 1e-6;  ///< converged if unbalanced forces <= tolerance times |force|; > 0
+  int load_steps = 1;       ///< least number of steps to apply a force or motion; >= 1
   int max_iterations = 30;  ///< of Newton's method in a load step, before it is halved; >= 1
   int max_halvings = 5;     ///< of a load step, before it is given up; >= 0
   bool exact_tangent =
@@ -62,7 +62,7 @@ struct ContactState {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] on the object
   std::vector<ContactAnchor> anchors;               ///< of the points in contact
   int place = 0;  ///< boundary node beside which the tip first touched
-  Eigen::Vector3d inward = Eigen::Vector3d::Zero();  ///< unit length: the way the tip came
+  Eigen::Vector3d inward = Eigen::Vector3d::Zero();  ///< unit length: direction of the approach
 };
 
 enum class ContactStop {
@@ -95,7 +95,7 @@ struct SolidChange {
   double step = 0;  ///< of the parameter between the two; > 0
 };
 
-/// How far the tip moves if the force or a parameter of the solid changes a little.
+/// Derivatives of the tip's motion by the force and by parameters of the solid.
 struct TipSensitivity {
   Eigen::Matrix3d compliance;   ///< [mm/N] derivative of its displacement by the force
   Eigen::Matrix3Xd by_changes;  ///< 3 x changes [mm] derivatives by the parameters
@@ -158,7 +158,7 @@ class ContactSeries {
   /// Changes the force on the object [N] along the straight line from that of `from()`.
   [[nodiscard]] ContactResult apply_force(const Eigen::Vector3d& force);
 
-  /// Derivatives of the way of the tip between `from()` and the equilibrium `at`, which
+  /// Derivatives of the motion of the tip between `from()` and the equilibrium `at`, which
   /// `apply_force` has found, to about a hundredth; less exact if it took several load steps.
   /// \throws InvalidInput if a changed solid has other nodes.
   /// \throws SolverError if the equilibrium is not stable, or a changed solid has inverted elements.

@@ -7,7 +7,7 @@
 
 namespace palpate::probing {
 
-/// [mm] Radius of the tip where `Acquisition::probe_radius` does not tell it.
+/// [mm] Radius of the tip if `Acquisition::probe_radius` does not give it.
 inline constexpr double kUsualTipRadius = 3;
 /// Up to one in this number of contacts is left out, and reported, if it does not fit a surface.
 /// More are no mishap of single contacts.

@@ -16,7 +16,7 @@
 
 namespace palpate::probing {
 
-/// How contacts are spread over a surface.
+/// The pattern of contacts on a surface.
 enum class PlanPattern {
   farthest_point,  ///< in farthest-point order along the surface: each prefix is a coarser plan
   grid             ///< on lines, shifted by half the spacing from line to line (thesis 4.2)
@@ -24,7 +24,7 @@ enum class PlanPattern {
 /// "farthest_point", "grid".
 [[nodiscard]] const char* to_string(PlanPattern pattern);
 
-/// Whether a place of a surface may be probed, and why not.
+/// The eligibility of a place of a surface for probing: eligible, or the reason against it.
 enum class Eligibility {
   eligible,
   no_surface,   ///< a vertex without triangles, or without a normal
@@ -55,7 +55,7 @@ struct PlanOptions {
 
 void visit(PlanOptions& options, FieldVisitor& visitor);
 
-/// What to probe.
+/// The contacts and forces to probe.
 struct ContactPlan {
   PlanOptions options = {};                 ///< with a `highest_force`
   std::vector<Contact> contacts = {};       ///< in the order of probing; ids 0, 1, ...
@@ -74,10 +74,10 @@ struct ContactPlan {
 /// is not along the normal; Z points into the object.
 [[nodiscard]] Eigen::Matrix3d tangent_frame(const Contact& contact);
 
-/// Whether each vertex may be probed. The normal at a vertex is the mean of the triangles within
-/// about R of it, weighted by their areas; distances from the border are along the surface. A place
-/// is obstructed iff a ball of radius R that touches it from outside contains another point of the
-/// surface deeper than a tenth of R.
+/// Returns the eligibility of each vertex. The normal at a vertex is the mean of the triangles
+/// within about R of it, weighted by their areas; distances from the border are along the surface.
+/// A place is obstructed if a ball of radius R that touches it from outside contains another point
+/// of the surface deeper than a tenth of R.
 /// \param normals 3 x V, receives the outward normals; NaN where there is no surface.
 [[nodiscard]] std::vector<Eligibility> eligibility(const geometry::TriangleMesh& mesh,
                                                    const PlanOptions& options,

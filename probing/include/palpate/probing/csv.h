@@ -50,7 +50,7 @@ class CsvReader final : public TableReader {
 
   std::filesystem::path path_;
   std::ifstream file_;
-  // What a column is read from.
+  // The source of a column.
   struct Source {
     std::string name;                                 // in the file, or what all its cells hold
     std::optional<std::size_t> place = std::nullopt;  // in the header line

@@ -52,7 +52,7 @@ typedef struct palpate_device_info_v1 {
   char name[64];           /* ends with a zero */
   double period;           /* [s] between two states */
   double highest_force;    /* [N] at the tip, for a moment */
-  double continuous_force; /* [N] at the tip, for as long as one likes */
+  double continuous_force; /* [N] at the tip, continuously */
   /* Added, for playback; 0 is "not known" or "none". */
   double highest_torque;   /* [N mm] at the tip, for a moment */
   double damping;          /* [N s/mm] that the device alone has at least, along any direction */

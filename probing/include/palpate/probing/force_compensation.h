@@ -16,7 +16,7 @@ struct HeldPose {
   Eigen::Vector3d joints = Eigen::Vector3d::Zero();  ///< [rad]
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N mm] of the motors, mean over the hold
   double deviation = 0;  ///< [N mm] standard deviation of the torques over the hold
-  /// Of each joint's motion before the hold: 1, -1, or 0 if it did not move; its torque then tells
+  /// Of each joint's motion before the hold: 1, -1, or 0 if it did not move; its torque then shows
   /// nothing, because its friction may point either way.
   Eigen::Vector3i direction = Eigen::Vector3i::Zero();
 };
@@ -46,7 +46,7 @@ struct GravityModel {
 
 /// [N] The force that overcomes the arm's own friction (thesis 4.4.3.2): the mean of what the
 /// controller needed, besides gravity, to hold the tip in free space just before the contact. It
-/// holds for a force along the way on which the tip came.
+/// holds for a force along the path on which the tip came.
 /// \param held [N] of the controller, one for each tick of at least 0.1 s.
 /// \return nothing if a component deviates by more than `largest_deviation` [N]: the joints stick
 /// and slip.

@@ -28,7 +28,7 @@ struct PredictedDisplacement {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [mm^2] without noise
 };
 
-/// How the pairs come out if each is predicted from the others: the mean squared error of the force
+/// The mean squared error of the force if each pair is predicted from the others.
 /// [N^2], as found and as expected, noise included.
 struct LeftOutPairs {
   double found = 0, expected = 0;
@@ -37,11 +37,11 @@ struct LeftOutPairs {
   double found_without_energy = 0;
 };
 
-/// What a few measurements tell of a contact: a Gaussian process on the complementary energy W(f),
-/// whose gradient is the displacement. Its covariance is that of a random symmetric compliance plus
-/// smooth parts that vary over fractions of the root of a force, since objects stiffen. It is the
-/// same in all frames. Amplitudes are relative to the mean compliance of the measurements, with
-/// which noise of forces also becomes noise of displacements, the same in all directions.
+/// Predicts a contact's displacements from a few measurements: a Gaussian process on the
+/// complementary energy W(f), whose gradient is the displacement. Its covariance is that of a
+/// random symmetric compliance plus smooth parts that vary over fractions of the root of a force,
+/// since objects stiffen. It is the same in all frames. Amplitudes are relative to the mean
+/// compliance of the pairs, which also turns noise of forces into isotropic noise of displacements.
 class ForceSurrogate {
  public:
   /// \throws InvalidInput if there is no pair, a number is not measurable (`is_measurable`), all
@@ -62,7 +62,7 @@ class ForceSurrogate {
   [[nodiscard]] double error_variance(std::span<const Eigen::Vector3d> queries) const;
   /// An error counts with at most 25 times its expected square.
   [[nodiscard]] LeftOutPairs left_out() const;
-  /// [N^2] By how much one more measurement of each candidate would reduce it.
+  /// [N^2] Reduction of `error_variance` by one more measurement of each candidate.
   [[nodiscard]] std::vector<double> reductions(std::span<const Eigen::Vector3d> queries,
                                                std::span<const Eigen::Vector3d> candidates) const;
 

@@ -15,16 +15,16 @@ struct JointGains {
   double integral = 30000;        ///< [N mm/(rad s)] >= 0; grows only while the target rests
   double largest_integral = 400;  ///< [N mm] > 0
   double smoothing = 0.01;        ///< [s] of the speed; > 0
-  /// [rad], [rad/s] What quantised encoders show at rest: errors and speeds count beyond these
-  /// only, so that the torque at rest is the integral alone and does not shake the joint. >= 0
+  /// [rad], [rad/s] Quantisation of encoders at rest: errors and speeds count only beyond these, so
+  /// that the torque at rest is the integral alone and does not shake the joint. >= 0
   double dead_band = 2.2e-4;
   double dead_speed = 0.01;
 };
 
 /// Moves the joints of a force-controlled arm and keeps them where they are: a PID controller
-/// (thesis 4.4.3). The integral waits while the target moves: it would overshoot at the end and
-/// turn the friction round that it is to measure. Gravity is to be added by the caller. Real-time
-/// safe.
+/// (thesis 4.4.3). The integral waits while the target moves: otherwise it would overshoot at the
+/// end and reverse the friction that it is to measure. Gravity is to be added by the caller.
+/// Real-time safe.
 class JointController {
  public:
   /// \throws InvalidInput on a gain outside its range.

@@ -12,7 +12,7 @@ namespace palpate::probing {
 /// number. Squares and products of numbers within it are far from overflow.
 inline constexpr double kLargestMeasurement = 1e12;
 
-/// Whether all components are finite and at most `kLargestMeasurement` in size.
+/// Returns true if all components are finite and at most `kLargestMeasurement` in size.
 [[nodiscard]] inline bool is_measurable(const Eigen::Vector3d& vector) {
   return (vector.array().abs() <= kLargestMeasurement).all();  // false for NaN
 }

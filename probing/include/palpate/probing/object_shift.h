@@ -37,7 +37,7 @@ inline constexpr long long kFirstTouchTrial = 2'000'000'000;
                                                       std::span<const ContactTouches> before,
                                                       int times, const ProgramOptions& options);
 
-/// How far an object has moved along the normal of a contact.
+/// Motion of an object along the normal of a contact.
 struct ObjectShift {
   long long contact = 0;
   int touches = 0;  ///< now
@@ -53,8 +53,8 @@ struct ObjectShift {
                                                     std::span<const ContactTouches> now,
                                                     const ProgramOptions& options = {});
 
-/// Whether a shift is larger than `limit` [mm] beyond doubt, by four standard deviations, or
-/// nothing was touched any more.
+/// Returns true if a shift is certainly larger than `limit` [mm], by four standard deviations, or
+/// if nothing was touched any more.
 [[nodiscard]] bool has_moved(const ObjectShift& shift, double limit);
 
 }  // namespace palpate::probing

@@ -10,8 +10,8 @@
 
 namespace palpate::probing {
 
-/// What makes measurements implausible. "Pressed": a force against the outward normal of its
-/// contact moves the tool to the inner side of the contact, so that the work is positive.
+/// The reason why measurements are implausible. "Pressed": a force against the outward normal of
+/// its contact moves the tool to the inner side of the contact, so that the work is positive.
 enum class Implausibility {
   forces_reversed,   ///< forces along the normal, tool inside: those of the object on the tool
   normals_inwards,   ///< forces along the normal, and the tool on the side it points to
@@ -37,8 +37,8 @@ enum class Implausibility {
 struct Finding {
   Implausibility kind{};
   bool impossible = false;  ///< cannot be a measurement of an object; otherwise only suspicious
-  std::string what;         ///< what is wrong and where, with figures
-  std::string right;        ///< what would be right
+  std::string what;         ///< the problem and its place, with figures
+  std::string right;        ///< the correct form
 };
 
 /// "WHAT; RIGHT".
@@ -46,7 +46,7 @@ struct Finding {
 
 // Limits of `find_implausible`. Most are ratios, which depend on neither unit nor frame.
 
-/// A sample contradicts its contact iff its normal force, or its depth, has the other sign and at
+/// A sample contradicts its contact if its normal force, or its depth, has the other sign and at
 /// least this share of the largest one there. Noise and a touch found late are well below.
 inline constexpr double kOppositeShare = 0.5;
 /// [mm] The side of a tool that is nearer to its contact is not judged unless it changes with the
@@ -70,7 +70,7 @@ inline constexpr double kLargestSpread = 8;
 /// Distance from tool to contact relative to the spread of the contacts: suspicious, impossible.
 inline constexpr double kSuspiciousDistance = 4;
 inline constexpr double kImpossibleDistance = 100;
-/// A tool is at another contact iff, under the least force, it is further from its own than
+/// A tool is at another contact if, under the least force, it is further from its own than
 /// `kTouchError` and than this many times the distance from another. A press is along the normal,
 /// away from all others.
 inline constexpr double kTimesNearer = 2;
@@ -79,7 +79,7 @@ inline constexpr double kSmallestExtent = 1;
 inline constexpr double kLargestExtent = 5000;
 /// [mm] A median displacement below this is within the noise of arms (thesis 5.2: 0.02 mm).
 inline constexpr double kSmallestDisplacement = 0.02;
-/// A tool stands still iff it moves by no more than this, relative to the coordinates of the
+/// A tool stands still if it moves by no more than this, relative to the coordinates of the
 /// contacts: the rounding of nine digits.
 inline constexpr double kStandstill = 1e-9;
 /// [N] Largest force of all: below what force sensors resolve, beyond what soft objects are probed
@@ -92,17 +92,17 @@ inline constexpr double kLargestFriction = 8;
 /// than one that held at the same contact. 1/2: slips are unrelated to forces; near 0: reversed.
 inline constexpr double kUnrelatedSlips = 0.6;
 inline constexpr double kReversedSlips = 0.25;
-/// Fewer pairs of a slipped and a held sample do not tell.
+/// Fewer pairs of a slipped and a held sample are not conclusive.
 inline constexpr double kFewestSlipPairs = 25;
 
-/// Looks for what follows from the meaning of contacts and samples, whatever the object: signs of
-/// forces and sides, groups, units, slips. What is true of at most half of the contacts is
-/// suspicious; what is true of more is impossible, unless it concerns the absolute scale. Findings
+/// Checks consequences of the meaning of contacts and samples, for any object: signs of forces and
+/// sides, groups, units, slips. A finding is suspicious if it holds for at most half of the
+/// contacts, and impossible if it holds for more, unless it concerns the absolute scale. Findings
 /// come in the order of `Implausibility`.
 [[nodiscard]] std::vector<Finding> find_implausible(const CheckedAcquisition& acquisition);
 
-/// Forces have one direction if none is off their mean direction by more than this tangent (6
-/// degrees): what a sensor and its mounting are off.
+/// Forces have one direction if none deviates from their mean direction by more than this tangent
+/// (6 degrees): the error of a sensor and its mounting.
 inline constexpr double kOneDirection = 0.1;
 
 /// Ids of the contacts whose samples that held have forces of one direction, so that nothing was

@@ -12,7 +12,7 @@
 
 namespace palpate::probing {
 
-/// How presses are found in a recording, and how its forces are corrected first.
+/// Options for finding presses in a recording, and for correcting its forces first.
 struct SeriesOptions {
   double touch_force = 0.1;    ///< [N] the tip touches while the force is above this; > 0
   double highest_speed = 0.5;  ///< [mm/s] slower than this is quasi-static; > 0
@@ -52,12 +52,12 @@ struct SeriesPress {
   double time = 0;        ///< [s] as the force passed touch_force
   /// [mm] Place of the surface: the tip as the force passed touch_force, moved back by `depth`.
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();
-  double depth = 0;  ///< [mm] at touch_force, extrapolated; 0 if the press does not tell
+  double depth = 0;  ///< [mm] at touch_force, extrapolated; 0 if the press does not show it
   double depth_deviation = std::numeric_limits<double>::quiet_NaN();  ///< [mm] of `depth`
   Eigen::Vector3d tare = Eigen::Vector3d::Zero();                     ///< [N] that was subtracted
   std::vector<HeldPress> held;  ///< in the order of time; until the tip slid, if it did
   bool slid = false;            ///< the tip slid along the surface before the release
-  std::optional<HeldPress> slip = std::nullopt;  ///< where it held last, and the force of the slide
+  std::optional<HeldPress> slip = std::nullopt;  ///< the last hold, with the force of the slide
 };
 
 struct SeriesPresses {

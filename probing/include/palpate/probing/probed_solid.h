@@ -14,7 +14,7 @@
 
 namespace palpate::probing {
 
-/// A place of a solid at rest, and the way on which a tip comes to it.
+/// A place of a solid at rest, and the direction from which a tip comes to it.
 struct ProbedPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm] on the surface
   Eigen::Vector3d inward = Eigen::Vector3d::Zero();    ///< unit length, against the normal

@@ -11,7 +11,7 @@
 
 namespace palpate::probing {
 
-/// What an arm does next. Positions and forces are in the world frame.
+/// The next action of an arm. Positions and forces are in the world frame.
 enum class ProbeActionKind {
   travel,   ///< in free space, to `target`
   touch,    ///< approach `target` from where the arm is until the tip touches the object
@@ -28,7 +28,7 @@ struct ProbeAction {
   /// [N] of the tip on the object; before the touch, the one that is coming.
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double time_limit = 0;  ///< [s] the arm gives up after it
-  /// Whether the tip, once it rests, is where the sample of the trial is measured.
+  /// True if the tip, once it rests, is where the sample of the trial is measured.
   bool measures_sample = false;
 };
 
@@ -42,7 +42,7 @@ enum class ProbeOutcome {
 /// "done", "no_contact", ...
 [[nodiscard]] const char* to_string(ProbeOutcome outcome);
 
-/// What a simulated arm does to its object, which measured positions and forces only approximate.
+/// The load of a simulated arm on its object; measured positions and forces only approximate it.
 struct TrueLoad {
   Eigen::Vector3d contact = Eigen::Vector3d::Zero();  ///< [mm] place on the undeformed surface
   Eigen::Vector3d force = Eigen::Vector3d::Zero();    ///< [N] on the object
@@ -56,11 +56,11 @@ struct ProbeReport {
   /// Of press, drag and release, if the arm measures it, otherwise NaN: the share of the
   /// displacement that came once the force was constant, without what the arm's own damping delays.
   double creep = std::numeric_limits<double>::quiet_NaN();
-  /// [N mm] Of drag and release, if the arm measures it, otherwise NaN: the work on the object of
-  /// what the force is more than before the drag, and than after the release.
+  /// [N mm] Of drag and release, if the arm measures it, otherwise NaN: the work on the object by
+  /// the excess of the force over that before the drag, and over that after the release.
   double work = std::numeric_limits<double>::quiet_NaN();
-  /// Why the tip does not rest, if the arm knows: a simulated object says where it has no
-  /// equilibrium.
+  /// The reason why the tip does not rest, if the arm knows: a simulated object says where it has
+  /// no equilibrium.
   std::string reason = {};
   /// Of a simulated arm whose tip rests on the object: for what is simulated beside it, a camera.
   std::optional<TrueLoad> truth = {};
@@ -74,8 +74,8 @@ class Prober {
  public:
   virtual ~Prober() = default;
   [[nodiscard]] virtual ProbeReport perform(const ProbeAction& action) = 0;
-  /// What this arm needs, besides its description, to go on after the latest trial as if it had not
-  /// been interrupted; empty if it needs nothing.
+  /// Data that this arm needs, besides its description, to continue after the latest trial as if it
+  /// had not been interrupted; empty if it needs none.
   [[nodiscard]] virtual std::string memory() const { return {}; }
 };
 

@@ -21,7 +21,7 @@ struct TrialOrder {
   int direction = -1;  ///< of the tangential force; -1 if there is none
   Eigen::Vector3d normal_force = Eigen::Vector3d::Zero();      ///< [N] into the object
   Eigen::Vector3d tangential_force = Eigen::Vector3d::Zero();  ///< [N]
-  /// How slipping is judged.
+  /// Parameters for judging slip.
   double microslip = SlipOptions{}.microslip, slip_threshold = SlipOptions{}.threshold;
 };
 
@@ -29,11 +29,11 @@ enum class TrialOutcome { held, slipped, fell_off, no_contact, unsettled, timed_
 /// "held", "slipped", ...
 [[nodiscard]] const char* to_string(TrialOutcome outcome);
 
-/// What one trial gave. A trial that held, slipped or fell off in the drag is a sample.
+/// The result of one trial. A trial that held, slipped or fell off in the drag is a sample.
 struct TrialResult {
   TrialOutcome outcome = TrialOutcome::timed_out;
   /// [mm] as measured: at the touch, under the normal force (`a`), under the whole force (`b`), and
-  /// again under the normal force (`a_again`). NaN where the trial did not come so far.
+  /// again under the normal force (`a_again`). NaN if the trial did not come so far.
   Eigen::Vector3d touch = Eigen::Vector3d::Zero();
   Eigen::Vector3d a = Eigen::Vector3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -41,7 +41,7 @@ struct TrialResult {
   double slip_statistic = 0;  ///< T^2 of `judge_slip`; NaN without one
   double seconds = 0;
   /// `ProbeReport::creep` of the drag; [N mm] `ProbeReport::work` of the drag and of the release.
-  /// NaN where the trial did not come so far, or the arm does not measure it.
+  /// NaN if the trial did not come so far, or the arm does not measure it.
   double creep = std::numeric_limits<double>::quiet_NaN();
   double work_dragging = std::numeric_limits<double>::quiet_NaN();
   double work_releasing = std::numeric_limits<double>::quiet_NaN();

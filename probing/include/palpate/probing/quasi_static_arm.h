@@ -12,7 +12,7 @@
 
 namespace palpate::probing {
 
-/// How a simulated arm errs, and how long it takes.
+/// Errors of a simulated arm, and the time it takes.
 struct QuasiStaticArmOptions {
   std::uint64_t seed = 1;
   double position_noise = 0.02;    ///< [mm] standard deviation of each coordinate; >= 0
@@ -35,14 +35,14 @@ struct QuasiStaticArmOptions {
 /// An arm that probes a specimen, for campaigns: it knows equilibria only, not the motion between
 /// them.
 ///
-/// The tip rests where the specimen says, with the errors above. It slips iff the force that is
+/// The tip rests where the specimen says, with the errors above. It slips if the force that is
 /// really applied leaves the friction cone; it then slides along the tangential force until kinetic
 /// friction holds it, the surface ends, or it has slid too far. Below the limit, releasing the
 /// tangential force T under the normal force N leaves a part of the motion of the contact,
 ///   3/2 C mu N [2 (1 - T / (2 mu N))^(2/3) - (1 - T / (mu N))^(2/3) - 1]
 /// with C = `tip_compliance` (microslip of a sphere: Mindlin and Deresiewicz 1953). It comes to
 /// rest exponentially, and what is left at `settled_speed` stays; a retarded part of the object
-/// creeps with its own time. Where the specimen has no equilibrium, it does not come to rest.
+/// creeps with its own time. If the specimen has no equilibrium, the tip does not come to rest.
 ///
 /// Each random number is a hash of the seed, the trial and the action: a trial gives the same
 /// result whatever came before it.

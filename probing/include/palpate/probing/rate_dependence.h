@@ -9,8 +9,8 @@
 
 namespace palpate::probing {
 
-/// How far an object is from one whose displacement follows from the force alone, as foam and
-/// tissue are: medians over the trials that held and whose forces and ways stand out of the noise.
+/// Deviation of an object from one whose displacement follows from the force alone, as in foam and
+/// tissue: medians over the trials that held and whose forces and motions exceed the noise.
 /// Viscosity and microslip both count.
 struct RateDependence {
   int loops = 0;  ///< trials whose work was measured

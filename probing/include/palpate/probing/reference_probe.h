@@ -27,7 +27,7 @@ inline constexpr long long kFirstReferenceTrial = 1'000'000'000;
 /// \throws InvalidInput if the plan has no contact or no level.
 [[nodiscard]] TrialOrder reference_order(const ContactPlan& plan, long long number);
 
-/// How the displacement under the reference force changed.
+/// Change of the displacement under the reference force.
 struct ReferenceDrift {
   int probes = 0;  ///< that came to rest
   /// [mm] mean, from the planned place of the contact into the object; NaN without a probe

@@ -23,8 +23,8 @@ struct RemoteArmOptions {
   bool real_time = false;
 };
 
-/// A driver as `PluginArm`, but in a process of its own: a driver that crashes, stalls or writes
-/// where it must not does not touch this program. The host drops the force itself when a lease
+/// A driver as `PluginArm`, but in a process of its own: a driver that crashes, stalls or writes to
+/// foreign memory does not affect this program. The host drops the force itself when a lease
 /// ends, unless the driver hangs inside a call: then only the device's own watchdog can. A tick
 /// takes two messages and two changes of process longer than with `PluginArm`.
 class RemoteArm final : public Arm {

@@ -16,7 +16,7 @@
 
 namespace palpate::probing {
 
-/// Why an arm was stopped.
+/// The reason why an arm was stopped.
 enum class ArmFault {
   none,
   no_answer,            ///< the arm does not answer, or takes no command
@@ -38,7 +38,7 @@ enum class ArmFault {
 /// "position jumps", "loop late" and so on.
 [[nodiscard]] std::string_view to_string(ArmFault fault) noexcept;
 
-/// What a safe arm may do. Between a limit and its margin the force outwards is taken away; beyond
+/// The limits of a safe arm. Between a limit and its margin the outward force is removed; beyond
 /// the margin the arm is stopped.
 struct SafetyLimits {
   double force = 3.3;         ///< [N] of a command, longer ones are shortened; > 0
@@ -56,7 +56,7 @@ struct SafetyLimits {
   double standstill_force = 0.5;      ///< [N] ... more than this; > 0
   double force_tolerance = 0.15;      ///< [N] of the delivered force, and ...
   double force_relative = 0.05;       ///< ... relative to the command
-  double hottest = 0.95;              ///< stopped iff the heat of a motor is more; in (0, 1)
+  double hottest = 0.95;              ///< stopped if the heat of a motor is more; in (0, 1)
   double cool = 0.5;                  ///< resumed only below this heat; in (0, hottest)
 };
 
@@ -87,7 +87,7 @@ class EmergencyStop {
 /// Keeps any arm within its limits. Every arm of the library is used through one.
 ///
 /// After a fault the force is zero from the next `write` on and the motors are switched off; the
-/// fault stays until `clear`. `read` and `write` then still work, so that the loop goes on.
+/// fault stays until `clear`. `read` and `write` then still work, so that the loop continues.
 class SafeArm final : public Arm {
  public:
   /// Both must outlive the safe arm; `emergency_stop` may be null.

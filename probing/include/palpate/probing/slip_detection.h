@@ -10,7 +10,7 @@
 
 namespace palpate::probing {
 
-/// What was measured in one trial (thesis 4.4.2): the tip at rest under the normal force, then with
+/// The measurements of one trial (thesis 4.4.2): the tip at rest under the normal force, then with
 /// the tangential force added, then with the tangential force removed again. All in one frame.
 struct SlipTrial {
   Eigen::Vector3d contact = Eigen::Vector3d::Zero();           ///< [mm] the surface at the touch
@@ -28,7 +28,7 @@ struct SlipTrial {
 struct SlipOptions {
   double position_deviation = 0.02;  ///< [mm] standard deviation of a position at rest; > 0
   double force_deviation = 0.005;    ///< [N] standard deviation of an applied force; >= 0
-  /// A trial slipped iff T^2 > threshold; > 0. 16.27 is exceeded by chance once in 1000 (chi^2 with
+  /// A trial slipped if T^2 > threshold; > 0. 16.27 is exceeded by chance once in 1000 (chi^2 with
   /// 3 degrees of freedom). `allowed_threshold` learns a smaller one from other trials.
   double threshold = 16.27;
   /// Share of the tangential displacement that may stay without slipping, because the edge of a
@@ -52,7 +52,7 @@ struct SlipJudgement {
 [[nodiscard]] std::optional<SlipJudgement> judge_slip(const SlipTrial& trial,
                                                       const SlipOptions& options = {}) noexcept;
 
-/// What a drag that held tells of microslip at its contact.
+/// Evidence of microslip from a drag that held.
 struct HeldDrag {
   double ratio = 0;            ///< tangential force per normal force; > 0
   double share = 0;            ///< of the tangential displacement, by which the tip did not return
@@ -71,11 +71,11 @@ struct HeldDrag {
 [[nodiscard]] double allowed_microslip(std::span<const HeldDrag> drags, double ratio,
                                        double most = SlipOptions{}.microslip) noexcept;
 
-/// `SlipOptions::threshold` after trials that held, with these T^2 (those of a whole campaign:
-/// their scale is that of the noise of the arm). Where the noise was told larger than it is, they
+/// Returns `SlipOptions::threshold` after trials that held, with these T^2 (those of a whole
+/// campaign: their scale is that of the noise of the arm). If the stated noise is too large, they
 /// are small, and slides hide below the usual threshold. The result is exceeded by chance at most
 /// once in 10,000, even if noise in one direction dominates. At most `most`, which is also the
-/// answer before 12 trials held; at least a sixteenth of it, noise told four times too large.
+/// result before 12 trials held; at least a sixteenth of it, for stated noise four times too large.
 [[nodiscard]] double allowed_threshold(std::span<const double> held,
                                        double most = SlipOptions{}.threshold);
 

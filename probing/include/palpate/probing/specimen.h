@@ -11,7 +11,7 @@
 
 namespace palpate::probing {
 
-/// The tool holds iff its force lies in this cone: with f_a the part of the force along `axis`,
+/// The tool holds if its force lies in this cone: with f_a the part of the force along `axis`,
 /// |f - f_a axis| <= coefficient f_a.
 struct FrictionCone {
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< into the object, unit length, world frame
@@ -44,16 +44,16 @@ class Specimen {
   /// The undeformed surface, its triangles turned outwards.
   [[nodiscard]] virtual const geometry::TriangleMesh& surface() const = 0;
 
-  /// [mm] How far the tool has moved from `contact` when it applies `force` [N] to the object
+  /// [mm] Displacement of the tool from `contact` when it applies `force` [N] to the object
   /// without slipping: the equilibrium that is reached by increasing the force from zero.
   /// \throws SolverError if there is none, InvalidInput unless contact and force are finite.
   [[nodiscard]] virtual Eigen::Vector3d displacement(const Eigen::Vector3d& contact,
                                                      const Eigen::Vector3d& force) const = 0;
 
-  /// Whether `deformed_surface` is known. Most closed forms know the displacement of the tool
-  /// alone.
+  /// Returns true if `deformed_surface` is known. Most closed forms know the displacement of the
+  /// tool alone.
   [[nodiscard]] virtual bool knows_shape() const { return false; }
-  /// [mm] 3 x V: where the vertices of `surface` are in the equilibrium of `displacement`.
+  /// [mm] 3 x V: positions of the vertices of `surface` in the equilibrium of `displacement`.
   /// \throws InvalidInput if the shape is not known, and as `displacement`.
   [[nodiscard]] virtual Eigen::Matrix3Xd deformed_surface(const Eigen::Vector3d& contact,
                                                           const Eigen::Vector3d& force) const;
@@ -68,7 +68,7 @@ class Specimen {
   /// [mm] of the ball that touches it; none if the tip is not a ball, or a point.
   [[nodiscard]] virtual std::optional<double> tip_radius() const { return std::nullopt; }
 
-  /// How it approaches its equilibria: at once, unless it says otherwise.
+  /// The approach to its equilibria: at once, unless it says otherwise.
   [[nodiscard]] virtual Retardation retardation() const { return {}; }
 };
 

@@ -15,16 +15,16 @@
 
 namespace palpate::probing {
 
-/// What the columns of a table are called in a file: by name, or in a CSV file also by number, as
-/// "column_1". Text that names no column of the file may also
-/// be what all cells hold: a number, nothing, or `kRowNumber`. A column with a minus sign before
-/// its name, such as "-Fz", has its numbers negated.
+/// The names of the columns of a table in a file: by name, or in a CSV file also by number, as
+/// "column_1". Text that names no column of the file may also be the content of all cells: a
+/// number, nothing, or `kRowNumber`. A column with a minus sign before its name, such as "-Fz", has
+/// its numbers negated.
 using ColumnNames = std::map<std::string, std::string, std::less<>>;
 
 /// The number of the row in place of the content of a column.
 inline constexpr std::string_view kRowNumber = "row_number";
 
-/// How a table of another program differs.
+/// The layout of a table of another program.
 struct TableLayout {
   /// Between the cells of a CSV file. Default: the most frequent of comma, semicolon and tab in the
   /// first line; not the comma if it is the decimal sign.

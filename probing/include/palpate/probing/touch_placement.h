@@ -15,7 +15,7 @@ struct TouchPlacementOptions {
   /// A rough pose; none: the surface is searched for the touches everywhere, in all orientations.
   std::optional<Eigen::Isometry3d> T_camera_base_start = {};
   double tip_radius = 0;
-  /// How far the rough pose may be off; without one, all are searched.
+  /// Largest error of the rough pose; without one, all are searched.
   double start_turn = 20 * std::numbers::pi / 180;
   double start_shift = 30;
 };

@@ -16,7 +16,7 @@
 namespace palpate::probing {
 
 /// Defaults resemble a PHANToM as the thesis describes it: 0.048 N of friction at the tip, 1.5 N
-/// for as long as one likes, 3 N for 6 s.
+/// continuously, 3 N for 6 s.
 struct VirtualArmOptions {
   ArmGeometry geometry;
   Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();  ///< to the specimen's frame
@@ -27,7 +27,7 @@ struct VirtualArmOptions {
   double upper_angle = 0.1, lower_angle = -0.05;  ///< [rad] of each centre of mass off its link
   Eigen::Vector3d friction{10, 10, 10};           ///< [N mm] of the sliding joints (Dahl, Dupont)
   double friction_variation = 0.05;               ///< relative, over the joint's range
-  double presliding = 2e-4;                       ///< [rad] way on which friction turns
+  double presliding = 2e-4;                       ///< [rad] in which friction reverses
   double viscosity = 4;                           ///< [N mm s/rad]
   double encoder_step = 1.43e-4;                  ///< [rad]: 0.03 mm at the tip
   double structure = 3.5;                         ///< [N/mm] between the encoders and the tip
@@ -41,12 +41,12 @@ struct VirtualArmOptions {
   std::uint64_t seed = 1;
 };
 
-/// What a simulation knows and an arm does not measure; for tests and assessments only.
+/// The state that a simulation knows and an arm does not measure; for tests and assessments only.
 struct VirtualArmTruth {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();    ///< [N] on the object, in the base's frame
   Eigen::Vector3d tip = Eigen::Vector3d::Zero();      ///< [mm] with flexure, in the base's frame
   Eigen::Vector3d contact = Eigen::Vector3d::Zero();  ///< [mm] place on the object, world frame
-  double slid = 0;                                    ///< [mm] way of the contact since the touch
+  double slid = 0;                                    ///< [mm] slip of the contact since the touch
   bool in_contact = false;
 };
 
@@ -60,8 +60,8 @@ struct HandGrip {
   Eigen::Vector3d push = Eigen::Vector3d::Zero();   ///< [N] besides
 };
 
-/// All that a simulated arm in free space carries from one moment to the next, so that another one
-/// goes on as it would have.
+/// The state of a simulated arm in free space between two moments, with which another one continues
+/// as it would have.
 struct VirtualArmMemory {
   std::uint64_t ticks = 0, sample = 0, sample_begin = 0;
   Eigen::Vector3d joints = Eigen::Vector3d::Zero();   ///< [rad]
@@ -87,7 +87,7 @@ class VirtualArm final : public Arm {
   [[nodiscard]] bool read(ArmState& state) noexcept override;
   [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
   void stop() noexcept override;
-  /// Why the specimen has no equilibrium.
+  /// The reason why the specimen has no equilibrium.
   [[nodiscard]] std::string last_error() const override;
 
   /// From the next tick on, a hand holds the tip like this. Nobody holds a new arm.
