@@ -38,23 +38,23 @@ typedef int32_t palpate_status;
 PALPATE_API int32_t palpate_interface(void);
 /* Version of Palpate, such as "0.1.0". */
 PALPATE_API const char* palpate_version(void);
-/* What went wrong in the latest call of this thread that failed, in words, until the next one that
- * fails. Never null. */
+/* The error of the latest call of this thread that failed, in words, until the next one that fails.
+ * Never null. */
 PALPATE_API const char* palpate_error_text(void);
 
 /* A model: surface, force fields, friction. It never changes; all threads may use it. */
 typedef struct palpate_model palpate_model;
 
 /* Reads a model folder (surface.ply, field.json), or bytes of palpate_model_bytes of the same
- * version of Palpate. The bytes may go afterwards. */
+ * version of Palpate. The bytes may be freed afterwards. */
 PALPATE_API palpate_status palpate_model_open(const char* folder, palpate_model** model);
 PALPATE_API palpate_status palpate_model_open_bytes(const void* bytes, uint64_t size,
                                                     palpate_model** model);
 /* Null is allowed. Players of the model stay usable. */
 PALPATE_API void palpate_model_close(palpate_model* model);
 
-/* What playback needs of a model as one block of bytes. Sets *size to their number; writes them if
- * `bytes` is not null and *size was at least that, and is PALPATE_INVALID if it was less. */
+/* Gives the part of a model that playback needs as one block of bytes. Sets *size to their number;
+ * if `bytes` is not null, writes them, or returns PALPATE_INVALID if *size was less than that. */
 PALPATE_API palpate_status palpate_model_bytes(const palpate_model* model, void* bytes,
                                                uint64_t* size);
 
@@ -82,7 +82,7 @@ PALPATE_API palpate_status palpate_model_triangles(const palpate_model* model, i
                                                    uint64_t count);
 
 /* The force of a tool ON THE OBJECT [N] at a place of the surface (the nearest one is taken), for a
- * displacement of it [mm]. `deviation` may be null: how far the force may be off [N], NaN if the
+ * displacement of it [mm]. `deviation` may be null: the standard error of the force [N], NaN if the
  * model does not state it. Real-time safe. */
 PALPATE_API palpate_status palpate_model_force(const palpate_model* model, const double place[3],
                                                const double displacement[3], double force[3],
@@ -92,7 +92,7 @@ PALPATE_API palpate_status palpate_model_force(const palpate_model* model, const
 typedef struct palpate_player palpate_player;
 
 /* `options`: words NAME=VALUE of docs/options.md, PlaybackOptions, with blanks between them, such
- * as "unknown_friction=0.3 tolerance=1e-4"; what is not named keeps its default. Null: nothing. */
+ * as "unknown_friction=0.3 tolerance=1e-4"; others keep their defaults. Null: all do. */
 PALPATE_API palpate_status palpate_player_create(const palpate_model* model, const char* options,
                                                  palpate_player** player);
 /* Null is allowed. */

@@ -12,7 +12,7 @@
 
 namespace palpate::c {
 
-/// What a `palpate_model` points to. The types of handles stay undefined, so that the interface
+/// The object behind a `palpate_model`. The types of handles stay undefined, so that the interface
 /// says nothing of what is behind them.
 struct OpenModel {
   std::shared_ptr<const haptics::Model> model;

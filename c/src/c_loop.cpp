@@ -59,7 +59,7 @@ class CalledDevice final : public probing::Arm {
   bool active_ = false;
 };
 
-/// What a `palpate_loop` points to.
+/// The object behind a `palpate_loop`.
 struct Loop {
   Loop(const haptics::Model& model, const palpate_device_calls& calls, bool real_time)
       : device(calls),

@@ -9,7 +9,7 @@
 
 namespace palpate::c {
 
-/// What a `palpate_player` points to.
+/// The object behind a `palpate_player`.
 struct Player {
   std::shared_ptr<const haptics::Model> model;
   std::shared_ptr<const haptics::BlendedField> field;
