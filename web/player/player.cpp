@@ -108,7 +108,7 @@ const float* palpate_deform(int rule) {
 /// recorded.
 double palpate_shape_error() { return player->model.response ? player->model.response->rms : -1; }
 
-/// Whether a ray meets the undeformed surface.
+/// Finds the place where a ray meets the undeformed surface.
 int palpate_pick(double ox, double oy, double oz, double dx, double dy, double dz) {
   const auto hit = player->field.surface().first_hit(
       geometry::Ray{.origin = {ox, oy, oz}, .direction = {dx, dy, dz}});

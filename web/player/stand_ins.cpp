@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 
-// What the library does with threads, words and other libraries, in a page that has none of them.
+// Stand-ins for threads, words and other libraries, which a page does not have.
 #include "geodesic/geodesic_methods.h"
 #include "palpate/core/error.h"
 #include "palpate/core/fields.h"
