@@ -115,7 +115,7 @@ Eigen::Isometry3d isometry(py::handle pose, const char* name) {
   const Eigen::Matrix4d matrix =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
-  // As in files: rounding of six printed digits.
+  // The same as in files: rounding of six printed digits.
   constexpr double kRotationTolerance = 1e-6;
   const double off =
       (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).lpNorm<Eigen::Infinity>();

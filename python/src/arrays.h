@@ -50,7 +50,7 @@ class Points {
 /// Depths of shape (rows, columns) in any real type, rounded to float32. \throws InvalidInput
 [[nodiscard]] geometry::ImageF image(py::handle object, const char* name);
 
-/// Whether writing to a view changes what it shows.
+/// The access of a view: writeable views change the memory that they show.
 enum class View { writeable, read_only };
 
 /// A view of memory that `owner` keeps alive, of the given shape and strides in bytes.

@@ -12,7 +12,7 @@
 
 #include "palpate/core/error.h"
 
-// What the parts of the module share. Each part adds its classes and functions.
+// Declarations shared by the parts of the module. Each part adds its classes and functions.
 namespace palpate::python {
 
 namespace py = pybind11;

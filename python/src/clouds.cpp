@@ -204,7 +204,7 @@ Positive on the side of the surface's normals; NaN for a point that is not finit
 Raises InvalidInput. Ctrl-C is not heard.)");
 }
 
-/// What all shapes have.
+/// Adds the members that all shapes have.
 template <typename Shape>
 py::class_<Shape> add_shape(py::module_& module, const char* name, const char* doc) {
   return py::class_<Shape>(module, name, doc)

@@ -17,7 +17,7 @@
 #include "plausible.h"
 #include "specimen_binding.h"
 
-// How well a model, or a parametric model, agrees with measurements.
+// Agreement of a model, or a parametric model, with measurements.
 namespace palpate::python {
 namespace {
 

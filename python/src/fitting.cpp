@@ -38,7 +38,7 @@ auto of_contacts(Member member) {
   };
 }
 
-/// Where page.html lies beside the Python files of this module.
+/// The folder of page.html beside the Python files of this module.
 fs::path page_folder() {
   const auto file = py::module_::import("palpate").attr("__file__").cast<std::string>();
   return fs::path(file).parent_path();

@@ -19,8 +19,8 @@ class LongWork {
   LongWork(const LongWork&) = delete;
   LongWork& operator=(const LongWork&) = delete;
 
-  /// For an option `progress`: calls `progress(done, total)` of Python. What it raises ends the
-  /// work, and so does Ctrl-C.
+  /// For an option `progress`: calls `progress(done, total)` of Python. An exception that it raises
+  /// ends the work, and so does Ctrl-C.
   [[nodiscard]] auto report() {
     return [this](int done, int total) {
       go_on();

@@ -33,7 +33,7 @@ using haptics::PlaybackOptions;
 using haptics::TracePoint;
 using haptics::TrajectoryPoint;
 
-/// What a tool felt on its way.
+/// The trace of a tool along its path.
 struct Trace {
   std::vector<TracePoint> points;
 };

@@ -180,7 +180,7 @@ finite. tolerance=0 is the exact sum of all solid angles. Ctrl-C is not heard.)"
           "Whether the winding number of each of (N, 3) points exceeds 1/2: (N,) bool.");
 }
 
-/// What `compare` tells: `palpate compare` prints the same figures.
+/// The result of `compare`: `palpate compare` prints the same figures.
 struct Comparison {
   geometry::SurfaceDistances spread;
   geometry::HausdorffDistance largest;
