@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How far two surfaces are apart, over their whole area and not at their vertices alone. Needs a
-// mesh: compare_two_meshes hand.ply. The other mesh is the same one smoothed. Prints the Hausdorff
+// Compares two surfaces over their whole area and not at their vertices alone. Needs a mesh:
+// compare_two_meshes hand.ply. The other mesh is the same one smoothed. Prints the Hausdorff
 // distance both ways and the mean and root mean square of the signed distances.
 #include <palpate/core/error.h>
 #include <palpate/geometry/mesh_distance.h>

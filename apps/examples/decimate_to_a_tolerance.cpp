@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// As few triangles as keep a surface within a tolerance. Needs a mesh: decimate_to_a_tolerance
-// hand.ply. Prints the size of the mesh for some tolerances with the distance that was verified,
-// and writes small.ply, the last of them.
+// Decimates a surface to the fewest triangles within a tolerance. Needs a mesh:
+// decimate_to_a_tolerance hand.ply. Prints the size of the mesh for some tolerances with the
+// distance that was verified, and writes small.ply, the last of them.
 #include <palpate/core/error.h>
 #include <palpate/geometry/decimation.h>
 #include <palpate/geometry/mesh_io.h>

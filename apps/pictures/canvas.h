@@ -46,7 +46,7 @@ struct TextStyle {
   Align across = Align::middle;
   Align up = Align::middle;
   bool bold = false;
-  bool upwards = false;  ///< whether the text runs from bottom to top
+  bool upwards = false;  ///< true if the text runs from bottom to top
 };
 
 /// A white picture with flat drawings and 3-D panels, written as PNG.

@@ -14,8 +14,8 @@ struct FalseColor {
   double high = 0;  ///< value of the last colour; > low
   ColorMap map = ColorMap::sequential;
   std::string scale;       ///< label of the scale: quantity and unit
-  bool any_below = false;  ///< whether there are values below `low`; the scale then says "< low"
-  bool any_above = false;  ///< whether there are values above `high`; the scale then says "> high"
+  bool any_below = false;  ///< true if there are values below `low`; the scale then says "< low"
+  bool any_above = false;  ///< true if there are values above `high`; the scale then says "> high"
 };
 
 /// Width of a colour bar, and the gap between it and its numbers, px.

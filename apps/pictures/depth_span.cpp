@@ -12,7 +12,7 @@ namespace {
 /// Of the depths at each end that the colours need not tell apart.
 constexpr double kDepthTail = 0.005;
 
-/// A map is at one depth throughout iff its depths span less than this fraction of it: ticks could
+/// A map is at one depth throughout if its depths span less than this fraction of it: ticks could
 /// not be told apart by their numbers.
 constexpr double kFlat = 1e-6;
 

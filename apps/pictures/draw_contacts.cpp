@@ -38,7 +38,7 @@ constexpr double kCellAmbient = 0.3;
 /// And the part that does.
 constexpr double kCellDiffuse = 0.75;
 
-/// How far edges, contacts and numbers are moved towards the viewer, of the surface's diagonal:
+/// Shift of edges, contacts and numbers towards the viewer, relative to the surface's diagonal:
 /// edges are straight and pass below a surface that bulges. The view has no perspective, so they
 /// stay in place on the picture.
 constexpr double kLift = 0.05;

@@ -15,7 +15,7 @@ namespace {
 
 /// Of the values at the upper end that the colours need not tell apart.
 constexpr double kUpperTail = 0.01;
-/// [mm] the scale goes at least so far, also where all is zero.
+/// [mm] the scale extends at least to this value, also where all is zero.
 constexpr double kLeastScale = 1e-3;
 
 float quantile(std::vector<float>& values, double fraction) {

@@ -22,7 +22,7 @@ namespace {
 constexpr double kScaleRoom = 190;   ///< px at the right, for the scale
 constexpr double kScaleMargin = 40;  ///< px above and below the scale
 
-/// How much of a colour is its own, and how much comes from the light: relief shows, and the colour
+/// Parts of a colour that are its own, and that come from the light: relief shows, and the colour
 /// can still be read.
 constexpr double kOwn = 0.62;
 constexpr double kLit = 0.4;

@@ -37,7 +37,7 @@ Rgb color_of_hue(double hue) {
   return {channel(0), channel(kThird), channel(2 * kThird)};
 }
 
-/// Where the axis begins [degrees], at most 0: in the middle of the largest gap between the
+/// The beginning of the axis [degrees], at most 0: in the middle of the largest gap between the
 /// colours, so that it cuts none of them.
 double axis_begin(const std::vector<HueDistribution>& hues) {
   std::vector<double> means;

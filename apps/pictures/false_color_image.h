@@ -15,7 +15,7 @@ struct FalseColorPicture {
   std::string title;
   std::string subtitle;
   geometry::PixelMask marked{};  ///< pixels to draw in black, whatever their value; empty: none
-  std::string mark{};            ///< what black means
+  std::string mark{};            ///< the meaning of black
   geometry::PixelMask object{};  ///< pixels that the view fits; empty: all known or marked ones
 };
 

@@ -16,8 +16,8 @@ void refuse_unless(bool holds, const char* what, const std::string& reason);
 /// \throws InvalidInput naming `what` if the image is empty or holds no finite value.
 void check_image(const geometry::ImageF& image, const char* what);
 
-/// Unlike `geometry::check_mesh` it lets pass what a picture can bear: vertices of no triangle that
-/// are not finite, triangles that name a vertex twice.
+/// Unlike `geometry::check_mesh` it accepts meshes that a picture can show: with vertices of no
+/// triangle that are not finite, or triangles that name a vertex twice.
 /// \throws InvalidInput naming `what` unless it has a triangle and each of its triangles joins
 /// vertices that exist and are finite.
 void check_surface(const geometry::TriangleMesh& mesh, const char* what);

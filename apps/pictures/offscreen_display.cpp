@@ -75,7 +75,7 @@ std::optional<std::string> find_program(const char* name) {
   _exit(EXIT_FAILURE);
 }
 
-/// What Xvfb wrote until the end of the line; empty if it ended or stayed silent.
+/// Returns the output of Xvfb up to the end of the line; empty if it ended or stayed silent.
 std::string read_display_number(int fd) {
   std::string number;
   for (char digit = 0; number.empty() || number.back() != '\n'; number += digit) {
@@ -156,7 +156,7 @@ class MemoryServer {
     }
   }
 
-  /// Whether the server that was started still runs.
+  /// Returns true if the server that was started still runs.
   [[nodiscard]] bool runs() {
     const bool has_ended =
         server_.process > 0 && waitpid(server_.process, nullptr, WNOHANG) == server_.process;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What the module `pictures` gives; the rest of it is the library `palpate_drawing`.
+// The functions of the module `pictures`; the rest of it is the library `palpate_drawing`.
 #include "drawings.h"
 
 const palpate::pictures::Drawings palpate_pictures{

@@ -52,7 +52,7 @@ void add_light(vtkRenderer* panel, const Eigen::Vector3d& from, double intensity
   panel->AddLight(light);
 }
 
-/// Whether the mean normal points to Z, not counting the rounding of closed surfaces.
+/// Returns true if the mean normal points to Z, apart from the rounding of closed surfaces.
 bool faces_z(const geometry::TriangleMesh& mesh) {
   constexpr double kLeast = 0.01;  // of a unit normal
   double along = 0, area = 0;

@@ -22,7 +22,7 @@ constexpr double kFacesCamera = -0.5;      // z of what a camera measured: it lo
 }  // namespace
 
 Camera::Camera(const Extent& extent) : extent_(extent), target_(extent.center) {
-  // What a camera measured faces it, with +y down; other objects stand on the ground, +z up.
+  // Objects measured by a camera face it, with +y down; others stand on the ground, +z up.
   up_ = extent.facing.z() < kFacesCamera ? Eigen::Vector3d(0, -1, 0) : Eigen::Vector3d(0, 0, 1);
   const Eigen::Vector3d other =
       std::abs(up_.z()) > 0.5 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();

@@ -11,7 +11,7 @@
 
 namespace palpate::view {
 
-/// What shaders need of a camera.
+/// The data of a camera that shaders need.
 struct Shot {
   Eigen::Matrix4f matrix = Eigen::Matrix4f::Identity();  ///< world [mm] to clip space
   Eigen::Vector3f eye = Eigen::Vector3f::Zero();         ///< [mm]

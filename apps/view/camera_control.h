@@ -9,7 +9,7 @@
 
 namespace palpate::view {
 
-/// What mouse and keys do with a camera, in all views alike.
+/// Moves a camera by mouse and keys, in the same way in all views.
 class CameraControl {
  public:
   explicit CameraControl(const Extent& extent) : camera(extent) {}
@@ -34,7 +34,7 @@ class CameraControl {
   Eigen::Vector2d last_ = Eigen::Vector2d::Zero();
 };
 
-/// What the panels say of it.
+/// The text of the panels about it.
 inline constexpr const char* kCameraKeys =
     "Right button turns, middle button moves, wheel zooms; W A S D turn, K turntable, R first view";
 

@@ -19,10 +19,10 @@ class DentedSurface {
   /// \param model, query are kept. \param deep [mm] displacement that gets the whole tint of a dent
   DentedSurface(const haptics::Model& model, const geometry::SurfaceQuery& query, double deep);
 
-  /// Whether the deformed surface is measured or drawn.
+  /// Says whether the deformed surface is measured or drawn.
   [[nodiscard]] std::string origin_in_words() const;
   [[nodiscard]] bool is_recorded() const { return model_.response.has_value(); }
-  /// How it is made of recorded surfaces.
+  /// Sets how it is made of recorded surfaces.
   void set_rule(haptics::ShapeRule rule);
   /// Puts the dent where a reading says; `touches` false: none. \param hurry a dent that takes long
   /// may stay as it is for some pictures

@@ -19,7 +19,7 @@ struct ColorImage {
   std::vector<unsigned char> bytes;  ///< 4 a pixel
 };
 
-/// What the colours of an image mean.
+/// The range of values that the colours of an image show.
 struct ColorSpan {
   pictures::ColorMap map = pictures::ColorMap::sequential;
   double low = 0, high = 1;  ///< [mm] low < high

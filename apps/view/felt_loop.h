@@ -21,7 +21,7 @@
 
 namespace palpate::view {
 
-/// What a tick of the loop computed, for the window.
+/// The result of one tick of the loop, for the window.
 struct FeltTick {
   double time = 0;                                      ///< [s] on the device's clock
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();       ///< [mm]
@@ -47,8 +47,8 @@ class TickFeed {
   std::atomic<std::uint64_t> written_{0}, taken_{0};
 };
 
-/// A model in the loop that also tells what its tool felt. Equal tools give what the model alone
-/// gives, bit by bit.
+/// A model in the loop that also reports the ticks of its tool. Equal tools give the same as the
+/// model alone, bit by bit.
 class FeltWorld final : public haptics::ToolWorld {
  public:
   /// \param tick [s] of the loop
@@ -67,8 +67,8 @@ class FeltWorld final : public haptics::ToolWorld {
   FeltTick felt_;
 };
 
-/// The mouse as a device without motors. What is commanded goes to the window with what the world
-/// felt. On the host's clock.
+/// The mouse as a device without motors. It passes commands, and the ticks of the world, to the
+/// window. On the host's clock.
 class MouseDevice final : public probing::Arm {
  public:
   /// \param wishes from the thread of the window. All three must outlive the device.
@@ -97,11 +97,11 @@ class MouseDevice final : public probing::Arm {
 /// [s] of a tick of the window's loops.
 inline constexpr double kLoopPeriod = 1e-3;
 
-/// How the window's loops run: with the safety layer, whose ramp is short, as nobody is pushed; and
-/// without the virtual coupling, so that the tool is where the mouse or the path is.
+/// Options of the window's loops: with the safety layer, whose ramp is short, as nobody is pushed;
+/// and without the virtual coupling, so that the tool is where the mouse or the path is.
 [[nodiscard]] haptics::DeviceLoopOptions loop_options();
 
-/// What a path of the tool feels, tick by tick at 1 kHz, through the same loop.
+/// Returns what a path of the tool feels, tick by tick at 1 kHz, through the same loop.
 [[nodiscard]] std::vector<FeltTick> felt_along(
     const std::shared_ptr<const haptics::Playback>& playback, haptics::TimedPath path);
 

@@ -9,7 +9,7 @@
 namespace palpate::view {
 namespace {
 
-// As the page of a model has them (web/page/scene.js).
+// The same as in the page of a model (web/page/scene.js).
 constexpr std::size_t kTrials = 24;
 constexpr int kTrialTicks = 100;
 constexpr double kTrialGap = 0.1;  // of the depth, above the surface

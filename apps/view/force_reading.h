@@ -11,7 +11,7 @@
 
 namespace palpate::view {
 
-/// What the window says of a tick.
+/// The values of a tick that the window shows.
 struct ForceReading {
   double total = 0;                                    ///< [N] of the model
   double normal = 0;                                   ///< [N] along the axis of the friction cone
@@ -27,10 +27,10 @@ struct ForceReading {
 /// Zero except for the state's own numbers while the tool is free.
 [[nodiscard]] ForceReading read_force(const haptics::BlendedField& field, const FeltTick& tick);
 
-/// What presses of an object are like.
+/// The result of trial presses of an object.
 struct PressTrial {
-  /// [mm] up to which the force grows at three of four contacts that are tried: where it falls, the
-  /// model is far from what was measured.
+  /// [mm] up to which the force grows at three of four contacts that are tried: if it falls, the
+  /// model is far from the measurements.
   double depth = 0;
   double force = 0;  ///< [N] that one of four does not exceed there, a round number
 };

@@ -5,7 +5,7 @@
 namespace palpate::view {
 namespace {
 
-/// [mm] A tool that is so far from everything is free, and its way from there is a jump for
+/// [mm] A tool that is this far from everything is free, and its motion from there is a jump for
 /// playback, whatever the size of the object.
 constexpr double kAside = 1000;
 

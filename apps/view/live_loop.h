@@ -15,7 +15,7 @@ namespace palpate::view {
 struct LiveLoopOptions {
   double diagonal = 1;                ///< [mm] of the object; > 0
   std::filesystem::path record = {};  ///< of the session; empty: none
-  std::string session = {};           ///< what a replay must know
+  std::string session = {};           ///< text that a replay needs
 };
 
 /// The mouse at a model, in a thread of its own at 1 kHz.

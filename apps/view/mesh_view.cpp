@@ -21,7 +21,7 @@
 namespace palpate::view {
 namespace {
 
-/// What the panel says of a mesh.
+/// The figures of a mesh on the panel.
 struct MeshFigures {
   double area = 0;  // [mm^2]
   /// None for meshes where three triangles share an edge, or two turn against each other.

@@ -19,9 +19,9 @@ struct ModelScene {
   std::string name;
   haptics::Model model;
   std::shared_ptr<const haptics::Playback> playback;
-  /// What is played: a trajectory, or a session again. None: the mouse is the tool.
+  /// The ticks to play: of a trajectory, or of a session. None: the mouse is the tool.
   std::optional<std::vector<FeltTick>> played = {};
-  std::string played_words = {};      ///< what that is
+  std::string played_words = {};      ///< their description
   bool still = false;                 ///< only pictures are wanted: no thread is started
   std::filesystem::path record = {};  ///< of the mouse's session; empty: none
   std::string session = {};           ///< for the record

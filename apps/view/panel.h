@@ -11,7 +11,7 @@
 
 namespace palpate::view {
 
-// What the panels of all views are made of.
+// Parts of the panels of all views.
 
 /// Loads the fonts of the panel, and sets its colours. After the context of ImGui is made.
 void set_panel_style();

@@ -6,7 +6,7 @@
 
 namespace palpate::view {
 
-/// What a path is, for the window.
+/// The kind of data at a path, for the window.
 enum class PathKind { model, mesh, range_maps, acquisition };
 
 /// Finds out by names, without reading what is in files: a folder with a field document or a

@@ -33,14 +33,14 @@ class RangeSequence {
   [[nodiscard]] std::size_t size() const { return maps_.size(); }
   [[nodiscard]] std::string name(std::size_t frame) const;
   [[nodiscard]] bool is_compared() const { return !others_.empty(); }
-  /// Whether there are deviations, or reasons, beside the first map.
+  /// Returns true if there are deviations, or reasons, beside the first map.
   [[nodiscard]] bool has(MapLayer layer) const;
 
-  /// Reads a map and what the layer needs besides.
+  /// Reads a map and the further data that the layer needs.
   /// \throws FileError, InvalidInput naming the file.
   [[nodiscard]] RangeFrame read(std::size_t frame, MapLayer layer) const;
 
-  /// What the colours of a layer span, in the whole sequence, by a few of its maps.
+  /// The range of the colours of a layer, in the whole sequence, by a few of its maps.
   [[nodiscard]] ColorSpan span(MapLayer layer) const;
 
  private:

@@ -66,7 +66,7 @@ class RangeView final : public View {
   void wheel(double lines) override {
     if (as_surface_ && control_) return control_->wheel(lines);
     const double zoom = std::clamp(zoom_ * std::pow(kImageZoom, lines), kLeastZoom, kMostZoom);
-    // What is under the pointer stays there.
+    // The point under the pointer stays there.
     const Eigen::Vector2d from =
         pointer_.value_or(size_.cast<double>() / 2) - size_.cast<double>() / 2;
     offset_ = from + (offset_ - from) * (zoom / zoom_);

@@ -54,9 +54,9 @@ class SceneRenderer {
   /// Forgets all depths of the last picture.
   static void begin();
   /// Fills the viewport where no surface was drawn; after the surfaces, because without graphics
-  /// hardware a pixel that is drawn twice costs twice. Before what is transparent.
+  /// hardware a pixel that is drawn twice costs twice. Before anything transparent.
   void draw_backdrop() const;
-  /// What surfaces hide shows through faintly: a force is never out of sight in a dent.
+  /// Parts behind surfaces show through faintly: a force is never out of sight in a dent.
   void draw(const std::vector<Solid>& solids, const Shot& shot) const;
   /// \param size [px]. \param lift [mm] towards the eye, so that a slanted surface does not cut them
   void draw_points(const PointSet& points, const Shot& shot, float size, double lift) const;

@@ -21,7 +21,7 @@ class StripChart {
   explicit StripChart(double least);
 
   void add(const ForceReading& reading, haptics::ContactState state);
-  /// Whether there was no force in all of the ticks that are kept.
+  /// Returns true if there was no force in all of the ticks that are kept.
   [[nodiscard]] bool is_empty() const { return quiet_ >= kCount; }
   /// [N] at the top: a round number.
   [[nodiscard]] double top() const;

@@ -20,7 +20,7 @@ constexpr Eigen::Index kDense = 30'000;
 /// Of the triangles of a dense surface, in its coarse form.
 constexpr double kCoarsePart = 0.3;
 
-// What both ways have in common: light from one side, a soft one from all around, and a shine.
+// Shared by both ways: light from one side, a soft one from all around, and a shine.
 constexpr const char* kShading = R"(
 uniform vec3 u_eye, u_light, u_back;
 uniform float u_lit, u_dark;

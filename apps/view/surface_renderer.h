@@ -21,7 +21,7 @@ struct SurfaceLook {
   bool coarse = false;
 };
 
-/// Draws one surface in one call of the graphics system. What does not change stays in its memory.
+/// Draws one surface in one call of the graphics system. Constant data stay in its memory.
 class SurfaceRenderer {
  public:
   SurfaceRenderer();

@@ -9,7 +9,7 @@
 namespace palpate::view {
 namespace {
 
-// As the page of a model has them (web/page/tool.js).
+// The same as in the page of a model (web/page/tool.js).
 constexpr double kGap = 0.006;         // diagonals above the surface where a press begins
 constexpr double kFollow = 0.02;       // [s] in which the tool follows the pointer
 constexpr double kTurn = 0.1;          // [s] in which its direction follows the surface

@@ -16,20 +16,20 @@ struct PickedPlace {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();   ///< unit, outwards
 };
 
-/// What a ray meets of a surface, seen from outside; none where it meets nothing or the inside.
+/// The place where a ray meets a surface from outside; none if it meets nothing or the inside.
 [[nodiscard]] std::optional<PickedPlace> pick(const geometry::SurfaceQuery& query,
                                               const geometry::TriangleMesh& surface,
                                               const geometry::Ray& ray);
 
-/// What the user wants of the tool: the mouse as it is now.
+/// The wish of the user for the tool: the mouse as it is now.
 struct ToolWish {
   int presses = 0;       ///< that began until now; the next one begins at `at`
   bool pressed = false;  ///< the button is down
-  PickedPlace at;        ///< where the tool is wanted on the undeformed surface
+  PickedPlace at;        ///< the wanted place of the tool on the undeformed surface
   double depth = 0;      ///< [mm] >= 0 below it
 };
 
-/// What the mouse does with the tool, on the side of the window.
+/// Turns motions of the mouse into wishes for the tool, on the side of the window.
 class ToolAim {
  public:
   /// \param diagonal [mm] of the object
@@ -53,8 +53,8 @@ class ToolAim {
   ToolWish wish_;
 };
 
-/// Where the tool is, tick by tick: it follows the wish without jumps while it presses, and lies
-/// aside, outside of everything, when nothing is pressed.
+/// The motion of the tool, tick by tick: it follows the wish without jumps while it presses, and
+/// lies aside, outside of everything, when nothing is pressed.
 ///
 /// A press begins a little above the surface. The tool comes there from aside in one tick. That is
 /// farther than any device moves, so that playback takes it for a fault, forgets the contact, and

@@ -11,7 +11,7 @@ namespace palpate::view {
 
 enum class MouseButton { left, middle, right };
 
-/// What the window shows of one thing: a picture, and a panel beside it. Made and used while there
+/// The view of one thing in the window: a picture, and a panel beside it. Made and used while there
 /// is a window. Places of the pointer are in pixels of the picture, y down.
 class View {
  public:
@@ -33,16 +33,16 @@ class View {
   /// Draws the picture with OpenGL into the viewport. \param hurry the next picture follows at
   /// once, and this processor is too slow for all details.
   virtual void draw(bool hurry) = 0;
-  /// Writes the panel with ImGui, and what lies over the picture.
+  /// Writes the panel with ImGui, and the parts that lie over the picture.
   virtual void panel() = 0;
-  /// Ends what runs beside the window; the last call.
+  /// Ends the work beside the window; the last call.
   /// \throws OutputError if a record is not complete.
   virtual void close() {}
-  /// Whether the picture changes although nobody does anything.
+  /// Returns true if the picture changes although the user does nothing.
   [[nodiscard]] virtual bool is_moving() const = 0;
-  /// Lets the object turn, for a movie of what does not move.
+  /// Lets the object turn, for a movie of an object that does not move.
   virtual void turn() = 0;
-  /// [s] of what is played; 0 if nothing is.
+  /// [s] of the played ticks; 0 if nothing is played.
   [[nodiscard]] virtual double duration() const = 0;
 };
 

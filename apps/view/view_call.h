@@ -17,7 +17,7 @@
 
 namespace palpate::view {
 
-/// What the range view shows of a map.
+/// The layer of a map that the range view shows.
 enum class MapLayer { depth, deviation, reason, difference };
 
 /// The call of palpate-view.
@@ -40,7 +40,7 @@ struct ViewCall {
   std::optional<double> seconds;
   int width = 1280, height = 800;  ///< [px]
 
-  /// Whether only pictures are wanted, and no window.
+  /// Returns true if only pictures are wanted, and no window.
   [[nodiscard]] bool is_still() const { return !screenshot.empty() || !movie.empty(); }
 };
 
@@ -52,7 +52,7 @@ void add_options(CLI::App& app, ViewCall& call);
 /// OutputError if an output cannot be written.
 void check_call(const ViewCall& call, PathKind kind, const CLI::App& app);
 
-/// Reads and checks all that is shown. What it returns makes the view, when there is a window.
+/// Reads and checks all data to show. The returned function makes the view, if there is a window.
 /// \throws FileError, InvalidInput as the readers do.
 [[nodiscard]] std::function<std::unique_ptr<View>()> load_view(const ViewCall& call, PathKind kind);
 

@@ -57,7 +57,7 @@ struct Window::Impl {
   bool picture_wish = false;
   bool in_picture = false;  // the pointer moves what was pressed in the picture
   GLuint target = 0, target_color = 0, target_depth = 0;  // for pictures that no window shows
-  // As the events tell, which may be behind where the pointer is now.
+  // By the events, which may be behind the present pointer.
   Eigen::Vector2d pointer = Eigen::Vector2d::Zero();
   Eigen::Vector2i picture = Eigen::Vector2i::Zero();  // [px]
 

@@ -27,7 +27,7 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// What events are for; must outlive the window.
+  /// Sets the view that gets the events; it must outlive the window.
   void show(View& view);
   /// Waits until the next picture is due, or something happens, and draws it. At most 60 pictures a
   /// second are drawn.
@@ -37,7 +37,7 @@ class Window {
   void draw_frame(double seconds);
   /// Writes the last picture, with the panel, as PNG. \throws OutputError.
   void write_picture(const std::filesystem::path& png);
-  /// Whether P was pressed since the last call: the user wants a picture.
+  /// Returns true if P was pressed since the last call: the user wants a picture.
   [[nodiscard]] bool take_picture_wish();
 
   static constexpr int kPanelWidth = 340;  ///< [px]

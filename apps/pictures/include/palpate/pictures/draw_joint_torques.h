@@ -8,7 +8,7 @@
 
 namespace palpate::pictures {
 
-/// What held a joint at rest, and the gravity that was fitted to it.
+/// The torques that held a joint at rest, and the gravity that was fitted to them.
 struct JointTorques {
   Eigen::VectorXd angles;      ///< [degrees] N
   Eigen::VectorXd torques;     ///< [N mm] N

@@ -9,7 +9,7 @@
 
 namespace palpate::pictures {
 
-/// What to show of a mesh.
+/// The part of a mesh to show.
 enum class MeshPart {
   whole,
   /// In the frame of a camera: without the triangles of a background, such as a wall, that a gap in

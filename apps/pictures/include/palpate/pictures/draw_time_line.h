@@ -9,7 +9,7 @@
 
 namespace palpate::pictures {
 
-/// What came of a trial of a campaign.
+/// The result of a trial of a campaign.
 enum class TrialKind { held, slipped, failed };
 
 /// N trials of a campaign, in order.
