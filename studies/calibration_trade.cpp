@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well simulated rigs are calibrated from simulated boards, for docs/calibration.md: errors of
-// depths at the distances of the boards, and these errors over the deviations that the rig's
-// covariance predicts. The errors of one calibration hang together: they are one draw. So the fair
+// Accuracy of calibrations of simulated rigs from simulated boards, for docs/calibration.md: errors
+// of depths at the distances of the boards, and these errors over the deviations that the rig's
+// covariance predicts. The errors of one calibration are correlated: they are one draw. So the fair
 // test is the mean over many: of the squared ratio of depths, and of the squared Mahalanobis
 // distance of the parameters, which is chi-square distributed with as many degrees of freedom.
 // `calibration_trade 1 2` makes the table for the seeds 1 and 2.

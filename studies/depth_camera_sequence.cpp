@@ -62,7 +62,7 @@ Eigen::Isometry3d table() {
   return pose;
 }
 
-/// Where a point of the cushion is on the table.
+/// The position of a point of the cushion on the table.
 Vector3d place(const Vector3d& rest, int frame) {
   const double share = std::max(0, frame - kStill + 1) / double{kFrames - kStill};
   const double s = (1 - std::cos(std::numbers::pi * share)) / 2;
@@ -178,8 +178,8 @@ class Shot {
     return first && (first->position - point).norm() < kBeside;
   }
 
-  /// [mm] 0 where the camera measures nothing. Where a pixel shows two surfaces, it has half a
-  /// chance to show neither, and else is somewhere between.
+  /// [mm] 0 where the camera measures nothing. A pixel that shows two surfaces has half a chance to
+  /// show neither, and else is somewhere between.
   double measured(int column, int row, std::mt19937& random) const {
     constexpr double kStep = 12, kHalf = 0.4;  // mm; pixels from the middle of one
     std::normal_distribution<double> normal(0, 1);

@@ -27,8 +27,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// What is not exact. The sizes are those of the thesis' set-up, or of this library's measurements
-/// of it.
+/// The sources of error. The sizes are those of the thesis' set-up, or of this library's
+/// measurements of it.
 struct Sources {
   bool depths = false;        ///< noise of each vertex
   bool calibration = false;   ///< the whole surface is shifted and turned in depth

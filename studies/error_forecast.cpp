@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well the error of a model with more contacts is forecast from one with few, for docs/plan.md.
+// Accuracy of forecasts of the error with more contacts from a model with few, for docs/plan.md.
 // Objects with known forces are measured with few contacts, the error with more of them is
 // forecast, and then they are measured with more. `error_forecast 1 2 3` does that with the seeds
 // 1, 2 and 3.
@@ -25,7 +25,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Where contacts lie [mm].
+/// The area of the contacts [mm].
 struct Area {
   double x = 42, y = 60;  ///< half of its size
   double middle = 0;      ///< x of its middle

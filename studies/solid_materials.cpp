@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well `palpate identify --finite-elements` finds the materials of simulated solids, for
-// docs/identify.md. The measurements come from meshes that differ from those of the estimate.
+// Accuracy of the materials that `palpate identify --finite-elements` finds of simulated solids,
+// for docs/identify.md. The measurements come from meshes that differ from those of the estimate.
 // `solid_materials 1 2 3` does that with the seeds 1, 2 and 3.
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 //
-// How well the points of a surface are followed, for docs/non-rigid-tracking.md. Surfaces that
-// deform by closed formulas are seen as depth images (640 x 480 at 700 mm, noise of 0.5 mm), with
-// or without a texture, tracked from the first image on, and compared with the true place of each
+// Accuracy of tracked points of a surface, for docs/non-rigid-tracking.md. Surfaces that deform by
+// closed formulas are seen as depth images (640 x 480 at 700 mm, noise of 0.5 mm), with or without
+// a texture, tracked from the first image on, and compared with the true place of each
 // material point. `tracking_truth 0.03 breathing dent` does that with a stiffness of 0.03 and
 // the sequences of these names, `tracking_truth` with the default and all of them.
 #include <fmt/format.h>
@@ -230,7 +230,7 @@ std::vector<Sequence> sequences() {
   };
 }
 
-/// Where the vertices of the reference are on the fine surface.
+/// The true positions of the vertices of the reference on the fine surface.
 class Truth {
  public:
   Truth(const Sequence& sequence, const Eigen::Matrix3Xd& reference)

@@ -23,7 +23,7 @@ struct HalfSpaceMesh {
     const probing::Hyperelastic& material, const HalfSpaceMesh& mesh,
     const Eigen::Vector3d& force = Eigen::Vector3d::Zero());
 
-// [mm] How a point force [N] on the origin moves the point `at` of a half-space.
+// [mm] Displacement of the point `at` of a half-space by a point force [N] on the origin.
 [[nodiscard]] Eigen::Vector3d point_force_displacement(const probing::Hyperelastic& material,
                                                        const Eigen::Vector3d& force,
                                                        const Eigen::Vector3d& at);

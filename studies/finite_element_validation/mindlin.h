@@ -15,8 +15,8 @@ struct MindlinContact {
 // [mm] Under a tangential force of `part` of the limit, the first after pressing.
 [[nodiscard]] double mindlin_displacement(const MindlinContact& contact, double part);
 
-// [N mm] What a cycle of the tangential force between +-`part` of the limit loses to slip in the
-// outer ring of the contact, while its middle sticks.
+// [N mm] Energy lost per cycle of the tangential force between +-`part` of the limit, by slip in
+// the outer ring of the contact, while its middle sticks.
 [[nodiscard]] double mindlin_loss(const MindlinContact& contact, double part);
 
 }  // namespace palpate::bench

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What the modes of fitting and the number of bases trade, and what else one could fit to the same
-// data: prints the tables of docs/trade-model.md.
+// Compares the modes of fitting, numbers of bases, and other models that could be fitted to the
+// same data: prints the tables of docs/trade-model.md.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

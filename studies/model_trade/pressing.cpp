@@ -68,7 +68,7 @@ std::vector<Place> places_of(const probing::Acquisition& acquisition) {
   return places;
 }
 
-// What the arm would record, from the model of the other places.
+// Predicts the record of the arm, from the model of the other places.
 void predict(const haptics::BuildResult& built, const haptics::BlendedField& field,
              const Place& place, double way_back, Row& row) {
   const Eigen::Isometry3d& there = built.model.T_surface_acquisition;

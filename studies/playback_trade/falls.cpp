@@ -10,7 +10,7 @@
 namespace palpate::bench {
 namespace {
 
-/// Whether the tool is behind the nearest part of the surface, and not beyond its border.
+/// Returns true if the tool is behind the nearest part of the surface, and not beyond its border.
 bool is_behind(const TouchedObject& object, const Eigen::Vector3d& tool) {
   constexpr double kLeastDepth = 0.02, kOnBorder = 1e-3;  // [mm]
   const geometry::ClosestPoint nearest = object.query.closest_point(tool);

@@ -22,7 +22,7 @@ class DenseSearch {
  public:
   explicit DenseSearch(const TouchedObject& object) : object_(object), field_(object.model) {}
 
-  /// Whether any place within `reach` [mm] of a contact is on the cone; where: [mm] from it.
+  /// Finds a place within `reach` [mm] of a contact on the cone, and its `distance` [mm] from it.
   bool find(const Vector3d& tool, const Vector3d& contact, double reach, double& distance) {
     tool_ = tool;
     contact_ = contact;

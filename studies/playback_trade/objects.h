@@ -43,7 +43,7 @@ class TouchedObject {
 [[nodiscard]] TouchedObject waves(double friction);
 /// The sheet of demo/, or the one with a block, fitted.
 [[nodiscard]] TouchedObject sheet(bool block, double friction);
-/// What a depth camera saw of a hand.
+/// A hand as a depth camera saw it.
 [[nodiscard]] TouchedObject hand(double friction);
 
 /// A tool that follows the surface in random directions, at 1 kHz and at most 150 mm/s.

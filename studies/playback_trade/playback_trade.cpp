@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// How exactly slips end, what limits of energy and other rules of motion change, whether tools fall
-// through a surface, and how wrong forces are for several tools and for tools of another size:
-// prints the tables of docs/trade-playback.md. playback_bench has the times.
+// Accuracy of the ends of slips, effects of limits of energy and of other rules of motion, tools
+// that fall through a surface, and errors of forces for several tools and for tools of another
+// size: prints the tables of docs/trade-playback.md. playback_bench has the times.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>

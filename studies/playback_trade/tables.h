@@ -8,14 +8,14 @@ namespace palpate::bench {
 
 /// Residuals after jumps, by friction, length of the jump and object.
 void print_residuals(int jumps);
-/// Slips after jumps that end off the cone, by cause: what a search of all places around them
-/// finds.
+/// Slips after jumps that end off the cone, by cause: the results of a search of all places around
+/// them.
 void print_missed_slips(int jumps);
-/// What the tolerance of a slip costs and gives.
+/// Costs and benefits of the tolerance of a slip.
 void print_tolerances();
 /// The rules of the contact's motion, on each object (thesis 5.4.2, Figure 5.6).
 void print_rules(int ticks);
-/// Energy that loops return, and what limiting it costs.
+/// Energy that loops return, and the cost of limiting it.
 void print_energy(int loops, int jumps);
 /// Contacts that are lost while the tool is inside: random touching of the hand for a time [s].
 void print_falls(double seconds);

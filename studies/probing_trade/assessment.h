@@ -11,7 +11,7 @@
 
 namespace palpate::bench {
 
-/// How a model compares with the truth; NaN where it was not compared.
+/// Comparison of a model with the truth; NaN where it was not compared.
 struct Assessment {
   double error = std::numeric_limits<double>::quiet_NaN();  ///< [N] RMS at the known forces
   /// [N] RMS at contacts that are predicted from the others, against true forces: inside the

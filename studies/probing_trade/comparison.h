@@ -12,7 +12,7 @@
 
 namespace palpate::bench {
 
-/// What is compared.
+/// The subjects of the comparison.
 struct ComparisonOptions {
   std::vector<std::string> strategies;  ///< names of `strategy_names`; empty: all
   bool left_out = false;                ///< `Assessment::left_out_inside` and `left_out_border`

@@ -19,9 +19,9 @@ namespace palpate::bench {
 
 /// [N] 3 x M, forces at the queries by a plain Gaussian process over place and displacement, for
 /// each component of the force by itself: a squared exponential with one length over places and one
-/// over displacements, and noise as a share of the signal, chosen by the marginal likelihood of
-/// what was dragged. It also takes the positions under normal forces alone, and no force without
-/// displacement at each contact. It does not know that there is an energy.
+/// over displacements, and noise as a share of the signal, chosen by the marginal likelihood of the
+/// drags. It also takes the positions under normal forces alone, and no force without displacement
+/// at each contact. It does not know that there is an energy.
 [[nodiscard]] Eigen::Matrix3Xd predict_plainly(const probing::Acquisition& acquisition,
                                                const std::vector<probing::KnownForce>& queries);
 

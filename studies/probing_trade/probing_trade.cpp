@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What the strategies of probing cost, and how good their models are: prints the tables of
+// Costs of the strategies of probing, and the quality of their models: prints the tables of
 // docs/trade-probing.md.
 #include <tbb/global_control.h>
 

@@ -10,7 +10,7 @@
 
 namespace palpate::bench {
 
-/// What a strategy measured with the quasi-static arm.
+/// The measurements of a strategy with the quasi-static arm.
 struct Measured {
   probing::Acquisition acquisition;
   int samples = 0, slipped = 0;

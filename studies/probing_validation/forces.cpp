@@ -27,8 +27,8 @@ constexpr double kOfNormal = 0.4;     // tangential over normal force, well insi
 constexpr double kSmall = 0.1;        // [N] tangential force of the small pulls, under ...
 constexpr double kSmallNormal = 0.5;  // [N]
 
-/// Errors [N] of the forces at rest by what the simulation knows, in the frame of the base: x along
-/// the first joint's motion, y along the normal, z away from the base.
+/// Errors [N] of the forces at rest by the truth of the simulation, in the frame of the base: x
+/// along the first joint's motion, y along the normal, z away from the base.
 struct ForceErrors {
   std::vector<Vector3d> all;
   std::vector<double> small;  ///< along the direction of a small pull, relative to it

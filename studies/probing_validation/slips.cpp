@@ -40,8 +40,8 @@ struct SlipCounts {
   }
 };
 
-/// How far [mm] the contact of the virtual arm slid between the pressed and the released state,
-/// which is when slipping is judged.
+/// Distance [mm] that the contact of the virtual arm slid between the pressed and the released
+/// state, which is when slipping is judged.
 class SlidWay final : public probing::Prober {
  public:
   explicit SlidWay(SimulatedRig& rig) : rig_(rig) {}

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What decoding says of frames, rigs, patterns and colours that do not fit each other, and of those
-// that do: the figures of docs/sensing-faults.md.
+// Reports of decoding about frames, rigs, patterns and colours that do not fit each other, and
+// about those that do: the figures of docs/sensing-faults.md.
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 #include <tbb/global_control.h>
@@ -29,12 +29,12 @@ namespace fs = std::filesystem;
 using sensing::DecodeOptions;
 using sensing::DecodeVerdict;
 
-/// Confidently wrong is a depth that is off by more than this [mm] and by more than so many of its
-/// predicted deviations.
+/// A depth is confidently wrong if it is off by more than this [mm] and by more than this number of
+/// its predicted deviations.
 constexpr float kWrong = 5;
 constexpr float kDeviations = 5;
 
-/// What was said of a frame, or of all frames of a scene.
+/// The report on a frame, or on all frames of a scene.
 struct Said {
   std::string name;     ///< of the scene, and the frame's number
   std::string verdict;  ///< "error" if the decoder refused its input

@@ -16,7 +16,7 @@ namespace palpate::bench {
 namespace {
 
 /// Neighbours whose depths differ by more than this share of them stand apart: at the bundled rig's
-/// focal length a surface that slopes so much is seen under 85 degrees.
+/// focal length a surface of this slope is seen under 85 degrees.
 constexpr double kStep = 0.01;
 
 double thread_ms() {

@@ -17,7 +17,7 @@ struct Row {
   Figures figures;
 };
 
-/// What happens to the scenes when one thing is varied.
+/// The figures of the scenes while one setting is varied.
 struct Experiment {
   std::string name;
   std::vector<Row> rows;  ///< setting after setting

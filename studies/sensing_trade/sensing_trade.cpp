@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What each choice in decoding costs and buys, on simulated and on rendered frames: the figures of
-// docs/trade-sensing.md.
+// Costs and benefits of each choice in decoding, on simulated and on rendered frames: the figures
+// of docs/trade-sensing.md.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 

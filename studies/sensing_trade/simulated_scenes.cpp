@@ -198,7 +198,7 @@ std::vector<Body> wires() {
 
 // ---- scenes ------------------------------------------------------------------------------------
 
-/// As a user would: on a white wall, with the camera that is used.
+/// Trains the colours as a user would: on a white wall, with the camera that is used.
 sensing::TrainedColors trained(const VirtualSensor& sensor) {
   const Bench& b = bench();
   const std::vector<Body> white = {wall(750)};

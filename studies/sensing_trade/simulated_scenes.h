@@ -27,8 +27,8 @@ inline constexpr CameraNoise kUsualNoise = kCameraNoises[1];
 [[nodiscard]] std::vector<Scene> hard_scenes();
 
 /// Objects of one colour, a scene for each colour: an upright cylinder and a ball in front of a
-/// white wall, a curved wall and a tilted one. What counts are the pixels of the object whose
-/// stripe it reflects: by at least a tenth of what it reflects of white.
+/// white wall, a curved wall and a tilted one. Pixels count if the object reflects their stripe: by
+/// at least a tenth of the stripe that it reflects of white.
 [[nodiscard]] std::vector<Scene> painted_scenes();
 
 }  // namespace palpate::bench
