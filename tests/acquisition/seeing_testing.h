@@ -14,7 +14,7 @@
 #include "palpate/sensing/trained_colors.h"
 #include "repository.h"
 
-// What tests of cameras share: the bundled rig before an elastic body.
+// Shared by the tests of cameras: the bundled rig before an elastic body.
 namespace palpate::acquisition::testing {
 
 inline std::shared_ptr<const probing::Specimen> soft_body() {

@@ -56,7 +56,7 @@ TrialRecord trial_at(const ContactPlan& plan, long long number) {
   return record;
 }
 
-/// Copies the latest row of a table under so many further ids, in one transaction.
+/// Copies the latest row of a table under this number of further ids, in one transaction.
 void multiply_row(sqlite3* database, const std::string& table, const std::string& columns,
                   int count) {
   execute(database, "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < " +

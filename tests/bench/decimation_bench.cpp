@@ -25,7 +25,7 @@ using geometry::TriangleMesh;
 
 struct Peer {
   TriangleMesh mesh;
-  double estimate = 0;  ///< [mm] what it says its error is; NaN if it says nothing
+  double estimate = 0;  ///< [mm] error that it states; NaN if it states none
 };
 
 /// meshoptimizer to a number of triangles, on the coordinates as they are, in float.
@@ -88,7 +88,7 @@ void against(benchmark::State& state, auto&& make_peer) {
                                                   1e-3 * static_cast<double>(state.range(2)));
   const double tolerance = 1e-3 * static_cast<double>(state.range(1));
   geometry::Decimation ours = geometry::decimate(mesh, {.tolerance = tolerance});
-  // A mesh given back unchanged is at distance 0, which is found but for rounding.
+  // A mesh returned unchanged is at distance 0, which is found up to rounding.
   const double rounding = 1e-12 * geometry::bounding_diagonal(mesh);
   if (!(geometry::hausdorff_distance(mesh, ours.mesh).lower <= ours.distance + rounding) ||
       !(ours.distance <= tolerance)) {

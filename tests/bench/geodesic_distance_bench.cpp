@@ -196,7 +196,7 @@ void fast_marching_against_dijkstra(benchmark::State& state) {
       state, [&] { ours = geodesic_distance(given.mesh, given.sources); },
       [&] { peer = edge_dijkstra(given.mesh, given.sources); });
   count_errors(state, given, ours);
-  // A path along the edges is never shorter than one across the faces, but for the error of
+  // A path along the edges is never shorter than one across the faces, apart from the error of
   // marching.
   constexpr double kMarchingError = 0.03;  // relative
   if ((ours.distance.array() > (1 + kMarchingError) * peer.distance.array()).any()) {

@@ -113,8 +113,8 @@ void slip_against_brent(benchmark::State& state) {
 }
 BENCHMARK(slip_against_brent)->Arg(100)->Unit(benchmark::kMillisecond);
 
-/// What a model that depends on rate and load costs, against the same without. Arguments: terms of
-/// the rate, whether friction depends on the load, and the height above the surface [mm].
+/// Cost of a model that depends on rate and load, against the same without. Arguments: terms of the
+/// rate, whether friction depends on the load, and the height above the surface [mm].
 void laws_against_none(benchmark::State& state) {
   const haptics::Model plain = hill_model(100, 0.5);
   haptics::Model model = plain;

@@ -29,7 +29,7 @@ using geometry::TriangleMesh;
 using Point = pcl::PointNormal;
 using Cloud = pcl::PointCloud<Point>;
 
-/// [mm] a pose is right iff the points lie so near to their places, on average.
+/// [mm] a pose is right if the points lie this near to their places, on average.
 constexpr double kRight = 1;
 
 struct Scan {

@@ -55,7 +55,7 @@ double distance_to_object(const Vector3d& p) {
   return std::min({distance_to_sphere(p), distance_to(kBoxes[0], p), distance_to(kBoxes[1], p)});
 }
 
-/// Whether only one smooth surface is near.
+/// Returns true if only one smooth surface is near.
 bool is_on_smooth_part(const Vector3d& p) {
   Eigen::Index near = std::abs(distance_to_sphere(p)) < kSmooth ? 1 : 0;
   for (const Box& box : kBoxes) {
@@ -85,7 +85,7 @@ struct View {
   Eigen::Isometry3d T_object_camera;
 };
 
-/// What cameras around the object see of it, with normal noise [mm] along their axes.
+/// The views of cameras around the object, with normal noise [mm] along their axes.
 std::vector<View> views_of_object(double noise) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal(0, noise);

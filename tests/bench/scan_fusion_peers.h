@@ -9,7 +9,7 @@
 
 namespace palpate::bench {
 
-/// What a camera measured, in the frame of the object [mm].
+/// The points that a camera measured, in the frame of the object [mm].
 struct SeenPoints {
   Eigen::Matrix3Xd points;
   Eigen::Vector3d eye;

@@ -192,7 +192,7 @@ BENCHMARK(all_hits_against_embree)
     ->ArgsProduct({{0, 1}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 
-/// The mesh bends and straightens: the boxes are fitted anew by both.
+/// The mesh bends and straightens: both fit the boxes again.
 void move_vertices_against_embree(benchmark::State& state) {
   const TriangleMesh mesh = mesh_number(state.range(0));
   Eigen::Matrix3Xd bent = mesh.vertices;

@@ -13,7 +13,7 @@ namespace palpate::bench {
 /// Plain Embree, with its own triangles in single precision.
 class EmbreePeer {
  public:
-  /// What slows down other queries is asked of Embree only for its purpose.
+  /// Features that slow down other queries are requested from Embree only for their purpose.
   enum class Purpose { first_hits, all_hits, moves };
   explicit EmbreePeer(const geometry::TriangleMesh& mesh, Purpose purpose = Purpose::first_hits);
   ~EmbreePeer();

@@ -27,7 +27,7 @@ namespace {
 /// A process that neither works nor ends is taken for stuck after this many times the processor
 /// time that its task may take: other processes run beside it.
 constexpr int kPatience = 30;
-/// How much more time a task gets under a sanitizer.
+/// Factor of the time of a task under a sanitizer.
 constexpr int kSanitizedSeconds = 20;
 
 /// Before each text in the pipe.
@@ -119,7 +119,7 @@ Received receive(int pipe, void* data, std::size_t size, int milliseconds) {
   return Received::all;
 }
 
-/// How a process ended that did not tell it.
+/// Describes the end of a process that did not report it.
 Outcome outcome_of(int status) {
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);

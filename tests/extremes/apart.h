@@ -9,7 +9,7 @@
 
 namespace palpate::extremes {
 
-/// What a task may take.
+/// The limits of a task.
 struct Limits {
   int seconds = 5;                    ///< of processor time, of all its threads
   std::size_t bytes = 2'000'000'000;  ///< of memory, beside what the process has when it begins
@@ -30,7 +30,7 @@ enum class End {
 
 struct Outcome {
   End end = End::finished;
-  std::string text = {};  ///< what the task returned, or why it did not
+  std::string text = {};  ///< the result of the task, or why there is none
   double seconds = 0;     ///< [s] of processor time, if it ended by itself
 };
 
@@ -43,7 +43,7 @@ struct Outcome {
                                              const std::function<std::string(std::size_t)>& task,
                                              const Limits& limits = {});
 
-/// Whether the program is built with a sanitizer, which takes many times the time and memory.
+/// True if the program is built with a sanitizer, which takes many times the time and memory.
 [[nodiscard]] bool is_sanitized();
 
 }  // namespace palpate::extremes

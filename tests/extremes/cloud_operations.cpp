@@ -15,7 +15,7 @@ namespace {
 
 using namespace geometry;
 
-/// Which points are chosen, in the order of the cloud.
+/// Marks the chosen points, in the order of the cloud.
 Result chosen(const std::vector<int>& indices, const Input& input, double tolerance = 1e-9) {
   Eigen::VectorXd is_chosen = Eigen::VectorXd::Zero(input.cloud.cols());
   for (const int i : indices) is_chosen[i] = 1;
@@ -95,7 +95,7 @@ Results cylinder(const Input& input, const Change&) {
 }
 
 Results seen_ball(const Input& input, const Change&) {
-  // The cloud before a camera, wherever the object is.
+  // The cloud before a camera, at any place of the object.
   const Eigen::Vector3d away(0, 0, 400 * input.length);
   const Eigen::Matrix3Xd points = (input.place.inverse() * input.cloud).colwise() + away;
   const Eigen::Matrix3Xd normals =

@@ -29,7 +29,7 @@ struct Host {
   const char* name;
   int threads = 1;
   bool has_commas = false;
-  int memory = 0;  ///< what fresh memory is filled with
+  int memory = 0;  ///< the byte with which fresh memory is filled
 };
 
 constexpr std::array kHosts = {Host{"4 threads", 4}, Host{"commas", 1, true},

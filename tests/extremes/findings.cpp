@@ -18,7 +18,7 @@ constexpr std::string_view kExact = "exact", kRounding = "rounding ", kFinite = 
 /// A message with more digits in a row than this is not for people.
 constexpr int kMostDigits = 25;
 
-/// Why a message of a refusal is of no use; empty if it is.
+/// The reason why a message of a refusal is of no use; empty if it is.
 std::string complaint(const std::string& message) {
   constexpr std::size_t kShortest = 15;
   if (message.size() < kShortest) return "says too little: " + message;

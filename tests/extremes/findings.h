@@ -14,15 +14,15 @@ namespace palpate::extremes {
 
 enum class Verdict { exact, within_rounding, finite, refused, wrong };
 
-/// What a case of a theme found of an operation.
+/// The result of a case of a theme for an operation.
 struct Finding {
   std::string name;  ///< of the case
   Verdict verdict = Verdict::exact;
-  std::string text = {};  ///< what is wrong, or what was said
+  std::string text = {};  ///< the error, or the message
   double difference = 0;  ///< [1] relative, if within rounding
 };
 
-/// What a task returns of an agreement: read again by `finding_of`.
+/// The text of an agreement that a task returns: read again by `finding_of`.
 [[nodiscard]] std::string report_of(const Agreement& agreement, bool must_be_exact);
 /// The same for results that need only be finite.
 [[nodiscard]] std::string report_of_finite(const Results& results);
@@ -41,7 +41,7 @@ struct KnownDeviation {
 
 [[nodiscard]] const std::vector<KnownDeviation>& known_deviations();
 
-/// Whether a case is known to deviate.
+/// Returns true if a case is known to deviate.
 [[nodiscard]] bool is_known(std::string_view operation, std::string_view theme,
                             std::string_view name);
 

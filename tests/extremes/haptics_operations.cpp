@@ -58,7 +58,7 @@ Results field(const Input& input, const Change&) {
     energies[i] = potential(springs, input.displacements.col(i));
     stiffest[i] = stiffness(springs, input.displacements.col(i)).trace();
   }
-  // What is not finite remains so.
+  // Numbers that are not finite remain so.
   return {unknown_allowed(numbers("energies", energies, kEnergy, &Order::samples)),
           unknown_allowed(numbers("stiffness", stiffest, kStiffness, &Order::samples)),
           {.name = "forces",

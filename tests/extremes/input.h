@@ -17,13 +17,13 @@
 
 namespace palpate::extremes {
 
-/// Where each element of the standard input stands in a reordered one: `to[i]` of element i.
+/// The place of each element of the standard input in a reordered one: `to[i]` of element i.
 struct Order {
   std::vector<int> sheet_vertices, sheet_triangles, ball_vertices, ball_triangles;
   std::vector<int> cloud, places, contacts, samples;
 };
 
-/// What all operations work on: small, of every kind, and easy to scale, move, turn and reorder.
+/// The input of all operations: small, of every kind, and easy to scale, move, turn and reorder.
 ///
 /// Coordinates are multiples of a power of two, so that moving them by a power of two is exact.
 /// Operations take their own lengths and forces, such as a tolerance, as multiples of `length` and
@@ -48,7 +48,7 @@ struct Input {
   sensing::Rig rig;
   sensing::Pattern pattern;
   sensing::TrainedColors colors;
-  cv::Mat frame;  ///< what the camera of `rig` sees of a ball
+  cv::Mat frame;  ///< the image of a ball in the camera of `rig`
 
   Order order;
 };

@@ -17,7 +17,7 @@ namespace palpate::extremes {
 /// Changes a field of the options that an operation is about to use.
 using Change = std::function<void(const FieldList& options)>;
 
-/// What of the input an operation uses.
+/// The parts of the input that an operation uses.
 enum Part : unsigned {
   kSheet = 1U << 0U,
   kBall = 1U << 1U,
@@ -33,7 +33,7 @@ enum Part : unsigned {
   kOptions = 1U << 11U  ///< it has options with a list of their fields, which `Change` may change
 };
 
-/// An operation of the libraries. What is listed is in every theme.
+/// An operation of the libraries. All listed operations are in every theme.
 struct Operation {
   std::string name;
   unsigned uses = 0;
@@ -41,8 +41,8 @@ struct Operation {
   /// Largest relative difference when lengths or forces are multiplied by powers of two; 0: none,
   /// to the last bit.
   double scale_tolerance = 0;
-  /// How many times the rounding of the moved coordinates, relative to the object, results may
-  /// differ by; 0: not at all where coordinates are moved exactly.
+  /// Factor of the rounding of the moved coordinates, relative to the object, by which results may
+  /// differ; 0: not at all where coordinates are moved exactly.
   double place_sensitivity = 0;
   /// [s] of processor time that a call may take.
   int seconds = 1;
@@ -50,7 +50,7 @@ struct Operation {
   bool only_large = false;
 };
 
-/// Whether the sizes that take minutes are asked for, by PALPATE_EXTREMES=large.
+/// Returns true if the sizes that take minutes are requested, by PALPATE_EXTREMES=large.
 [[nodiscard]] bool is_large();
 
 /// For messages of tests.

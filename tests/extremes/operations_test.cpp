@@ -11,7 +11,7 @@
 namespace palpate::extremes {
 namespace {
 
-/// What a build without CGAL's GPL packages says.
+/// The message of a build without CGAL's GPL packages.
 constexpr const char* kWithoutCgal = "CGAL";
 
 // Else all that the themes find would be refusals.

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/// What is tried of a field: a number, or the place of a word or flag.
+/// A trial value of a field: a number, or the place of a word or flag.
 struct Trial {
   std::string field;  ///< "DecodeOptions::min_signal"
   double value = 0;
@@ -123,7 +123,7 @@ class Setter final : public FieldVisitor {
   }
 };
 
-/// What `Lister` finds, as the text that a task returns.
+/// The findings of `Lister`, as the text that a task returns.
 std::string to_text(const std::vector<Trial>& trials) {
   std::string text;
   for (const Trial& trial : trials)
@@ -179,7 +179,7 @@ TEST_P(OptionFields, AreRefusedByNameOrDoneSoon) {
   if ((operation.uses & kOptions) == 0) return;
   std::vector<Trial> trials = trials_of(operation);
   ASSERT_FALSE(trials.empty());
-  // What takes long is done with the values that are allowed only in the large size.
+  // Slow operations are done with the allowed values only in the large size.
   constexpr int kLong = 3;
   if (!is_large() && (operation.only_large || operation.seconds >= kLong))
     std::erase_if(trials, [](const Trial& trial) { return trial.is_allowed; });

@@ -10,7 +10,7 @@
 
 namespace palpate::extremes {
 
-/// What kind of number a result is: the powers of length and force in its unit.
+/// The kind of number of a result: the powers of length and force in its unit.
 struct Kind {
   int length = 0;
   int force = 0;
@@ -19,7 +19,7 @@ struct Kind {
 inline constexpr Kind kNumber{}, kLength{1, 0}, kArea{2, 0}, kVolume{3, 0}, kPerLength{-1, 0},
     kPerArea{-2, 0}, kForce{0, 1}, kStiffness{-1, 1}, kEnergy{1, 1}, kCompliance{1, -1};
 
-/// How a result moves with the object.
+/// Transformation of a result with the object.
 enum class Motion {
   none,    ///< it stays: a number
   place,   ///< columns are positions, which move and turn
@@ -46,7 +46,7 @@ using Results = std::vector<Result>;
 /// [mm] to which errors of positions are relative: the diagonal of the sheet of the input.
 [[nodiscard]] double size_of(const Input& input);
 
-/// How two results agree.
+/// Agreement of two results.
 struct Agreement {
   bool exact = true;
   /// Largest difference over what is allowed; at most 1 where they agree.

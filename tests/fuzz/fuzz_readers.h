@@ -6,6 +6,6 @@
 #include <cstdint>
 #include <string>
 
-/// Why the reader that PALPATE_READER names refuses a file of these bytes, by the words of its
+/// Returns why the reader that PALPATE_READER names refuses a file of these bytes, in words of its
 /// FileError or InvalidInput; empty if it reads the file.
 [[nodiscard]] std::string refusal_of(const std::uint8_t* data, std::size_t size);

@@ -14,7 +14,7 @@
 
 namespace palpate::haptics {
 
-/// How much stiffer than far away the flat object is at a place: a hump as wide as a few contacts.
+/// Stiffness of the flat object at a place over that far away: a hump as wide as a few contacts.
 inline double hump_stiffness(double x, double y) {
   return 1 + 3 * std::exp(-(x * x + y * y) / 500);
 }
@@ -45,7 +45,7 @@ inline double worst_error_of_hump(const Model& model,
   return worst;
 }
 
-/// Whether a model of the hump has the strengths of its contacts, and blends forces by them.
+/// Expects a model of the hump to have the strengths of its contacts, and to blend forces by them.
 inline void expect_strengths_of_hump(const Model& model,
                                      const Eigen::Affine3d& pose = Eigen::Affine3d::Identity()) {
   const double scale = std::cbrt(pose.linear().determinant());

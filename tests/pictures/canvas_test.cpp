@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What a picture owes to those before it: all are drawn in one window.
+// Effects on a picture of those before it: all are drawn in one window.
 #include <gtest/gtest.h>
 
 #include <csignal>

@@ -11,7 +11,7 @@ namespace palpate::pictures {
 /// Processes that this one started and did not wait for yet, zombies too.
 [[nodiscard]] std::vector<pid_t> child_processes();
 
-/// Whether there is no such process, or only what waits for its parent to take notice.
+/// Returns true if there is no such process, or it only waits for its parent to take notice.
 [[nodiscard]] bool has_ended(pid_t process);
 
 }  // namespace palpate::pictures

@@ -25,7 +25,7 @@ cv::Mat3b displacements_picture(const TwoContacts& scene) {
   });
 }
 
-/// What is bluish in the left or the right half of the picture.
+/// The bluish pixels of the left or the right half of the picture.
 cv::Mat1b circle(const cv::Mat3b& picture, bool right) {
   cv::Mat1b bluish(600, 560);
   const int left = right ? 610 : 30;

@@ -38,7 +38,7 @@ TEST(DrawForceErrors, PutsTheErrorsAtTheirHeightsAroundZero) {
   EXPECT_EQ(picture.size(), cv::Size(1200, 700));
   const auto rows = [&](const Rgb& color) { return box_of(mask_of(picture, color, 40, kErrors)); };
   const int before = rows(kVermilion).height, after = rows(kBlue).height;
-  // Ten times as high, but for the size of the marks.
+  // Ten times as high, apart from the size of the marks.
   EXPECT_GT(before, 250);
   EXPECT_NEAR(after - 8, (before - 8) / 10.0, 8);
   EXPECT_NEAR(rows(kVermilion).y + before / 2.0, rows(kBlue).y + after / 2.0, 4);

@@ -12,7 +12,7 @@
 namespace palpate::pictures {
 namespace {
 
-const Region kFieldScene(0, 130, 680, 600);  // but for the scale bars
+const Region kFieldScene(0, 130, 680, 600);  // without the scale bars
 const Region kFrictionChart(775, 170, 400, 222);
 const Region kFitChart(775, 520, 400, 220);
 

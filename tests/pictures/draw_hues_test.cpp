@@ -39,7 +39,7 @@ TEST(DrawHues, EachColourStandsAtItsHueInItsHue) {
   const auto top = [&](const Rgb& color) {
     const cv::Mat1b mask = mask_of(picture, color, 60, kHuesPlot);
     const cv::Rect box = box_of(mask);
-    // Where the upper half of the curve lies.
+    // The middle of the upper half of the curve.
     return center_of(mask.rowRange(box.y, box.y + box.height / 2)).x();
   };
   EXPECT_NEAR((top(kBlueHue) - top(kGreenHue)) / kHuesPlot.width, 120.0 / 360, 0.03);

@@ -21,7 +21,7 @@ cv::Mat3b labels_picture(const LabelImage& labels, const std::vector<std::string
       [&](const std::filesystem::path& png) { draw_labels(png, labels, names, "Labels"); });
 }
 
-/// Where an image of 12 x 9 px is on the picture.
+/// The place of an image of 12 x 9 px on the picture.
 cv::Point place_of(int row, int col) {
   constexpr int kPixel = 70;  // 840 px of room for 12
   return {30 + col * kPixel + kPixel / 2, 480 + (row - 4) * kPixel};

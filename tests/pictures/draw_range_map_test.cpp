@@ -27,7 +27,7 @@ geometry::RangeMap make_plane(float per_col, float per_row) {
   return map;
 }
 
-/// Where on the sequential map the colour at a fraction of the image is, in 0..1.
+/// The place on the sequential map, in 0..1, of the colour at a fraction of the image.
 double place_on_map(const cv::Mat3b& picture, double x, double y) {
   const Rgb color = pixel(picture, kImage.x + static_cast<int>(x * kImage.width),
                           kImage.y + static_cast<int>(y * kImage.height));

@@ -12,7 +12,7 @@
 namespace palpate::pictures {
 namespace {
 
-/// Where the two images are drawn.
+/// The places of the two images.
 const Region kLeft(24, 110, 560, 430);
 const Region kRight(612, 110, 560, 430);
 

@@ -31,7 +31,7 @@ bool ends(pid_t process) {
   return has_ended(process);
 }
 
-/// What another process prints that uses a display; `settings` go before its command.
+/// The output of another process that uses a display; `settings` go before its command.
 std::string use_display(const std::string& manner, const std::string& settings = "") {
   FILE* output = popen((settings + " '" + DISPLAY_USER + "' '" + manner + "' 2>&1").c_str(), "r");
   std::string text;

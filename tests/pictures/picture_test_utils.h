@@ -17,7 +17,7 @@ namespace palpate::pictures {
 /// A part of a picture, px, (0, 0) in the upper left corner.
 using Region = cv::Rect;
 
-/// Where an image of 64 x 48 px is on a picture, away from its frame by a few pixels.
+/// The place of an image of 64 x 48 px on a picture, without a few pixels at its frame.
 inline const Region kImage(34, 114, 972, 727);
 
 /// Draws into a temporary file; fails if something is printed.

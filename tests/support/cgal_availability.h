@@ -7,7 +7,7 @@
 
 namespace palpate::geometry::test {
 
-/// Whether the library was built with CGAL. Tests of what needs it are skipped without.
+/// Returns true if the library was built with CGAL. Tests that need it are skipped without.
 inline bool has_cgal() {
   const TriangleMesh triangle{.vertices = Eigen::Matrix3d::Identity(),
                               .triangles = Eigen::Vector3i(0, 1, 2)};

@@ -32,7 +32,7 @@ inline double bumpy_depth(double s, double t) {
                 4 * std::sin(22 * pi * s) * std::sin(18 * pi * t));
 }
 
-/// Whether (s, t) lies in one of the two holes of `bumpy`.
+/// Returns true if (s, t) lies in one of the two holes of `bumpy`.
 inline bool in_bumpy_hole(double s, double t) {
   return std::hypot(s - 0.25, t - 0.25) < 0.06 || std::hypot(s - 0.75, t - 0.5) < 0.04;
 }

@@ -74,7 +74,7 @@ struct PathCounts {
   double deepest = 0;                  ///< [mm] of these
   std::map<std::string, int> stops;    ///< paths that ended early, by the name of the stop
   std::map<std::string, int> refused;  ///< paths that ended by an error of Palpate, by its text
-  std::vector<std::string> broken;     ///< what must never happen
+  std::vector<std::string> broken;     ///< events that must never happen
 };
 
 namespace random_path {
@@ -89,8 +89,8 @@ inline Eigen::Vector3d across(std::mt19937& random, double largest) {
   return {size * std::cos(angle), size * std::sin(angle), 0};
 }
 
-/// Whether the tip, a ball of 5 mm, touches a face that a support holds at one of its nodes. The
-/// support then takes a part of the tip's force that its node forces do not show.
+/// Returns true if the tip, a ball of 5 mm, touches a face that a support holds at one of its
+/// nodes. The support then takes a part of the tip's force that its node forces do not show.
 inline bool touches_support(const probing::ContactEquilibrium& solid,
                             const probing::ContactState& state) {
   constexpr double kReach = 5.1;  // [mm] the radius, and what the grid below passes over
@@ -114,7 +114,7 @@ inline bool touches_support(const probing::ContactEquilibrium& solid,
   return false;
 }
 
-/// What is wrong with a result; empty if nothing is.
+/// The error of a result; empty if there is none.
 inline std::string flaw(const probing::ContactEquilibrium& solid,
                         const probing::ContactResult& result, bool by_force,
                         const Eigen::Vector3d& target) {

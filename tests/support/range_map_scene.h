@@ -137,8 +137,8 @@ inline TriangleMesh together(const TriangleMesh& a, const TriangleMesh& b) {
   return both;
 }
 
-/// Which of `points` the camera measures in the scene: nothing occludes them, and the depth of
-/// their pixel is known.
+/// Marks the `points` that the camera measures in the scene: nothing occludes them, and the depth
+/// of their pixel is known.
 inline std::vector<bool> visible(const Eigen::Matrix3Xd& points, const TriangleMesh& scene,
                                  const RangeMap& map) {
   const SurfaceQuery query(scene);

@@ -148,8 +148,8 @@ inline probing::FiniteElementMesh half_ball_mesh(double box, int cells,
   return whole.mesh();
 }
 
-/// [N] What the solid alone, without contact, exerts on each node; at supports the forces that
-/// hold it. Written apart from the solver's own sum.
+/// [N] Forces of the solid alone, without contact, on each node; at supports the forces that hold
+/// it. Written apart from the solver's own sum.
 inline Eigen::Matrix3Xd node_forces(const probing::DeformableBody& body,
                                     const Eigen::Matrix3Xd& positions) {
   const auto nodes_of = [&](const Eigen::Matrix3Xd& of, Eigen::Index e) {

@@ -12,9 +12,9 @@
 
 namespace palpate {
 
-/// Does the work and checks what it tells of its progress: at least so many reports, of one total,
+/// Does the work and checks its reports of progress: at least this number of reports, of one total,
 /// never fewer done than before, and all of it at the end alone. Then does it again and again, and
-/// checks that it ends with what the first, the middle and the last report throws.
+/// checks that it ends with the exception that the first, the middle and the last report throws.
 template <typename Work>
 void check_progress(Work&& work, std::size_t least_reports) {
   std::vector<std::pair<int, int>> seen;

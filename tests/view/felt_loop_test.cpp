@@ -28,7 +28,7 @@ haptics::TimedPath press_and_slide() {
       {{0, {0, 0, 695}}, {0.2, {0, 0, 703}}, {0.6, {20, 0, 703}}, {0.8, {20, 0, 695}}});
 }
 
-/// What the library's playback says of the same tools: contact, force and state, bit by bit.
+/// Expects the contact, force and state of the library's playback of the same tools, bit by bit.
 void expect_as_played(const haptics::Playback& playback, const std::vector<FeltTick>& ticks) {
   std::vector<haptics::TrajectoryPoint> tools;
   for (const FeltTick& tick : ticks)

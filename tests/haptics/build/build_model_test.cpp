@@ -134,7 +134,7 @@ TEST(BuildModel, ReportsProgressToTheEndOfEachStage) {
   const BuildResult result = build_model(flat_acquisition(), flat_surface(), options);
   EXPECT_THAT(done[BuildStage::friction], ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_THAT(done[BuildStage::fields], ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
-  // What was known is done when the stage begins.
+  // Contacts with a known fit are done when the stage begins.
   done.clear();
   options.known_fit = [&](long long contact) {
     return contact % 3 == 0 ? &result.contacts[0].fit : nullptr;

@@ -81,7 +81,7 @@ TEST(FitContactCones, AddNothingForABallThatIsNotKnownOrExactCones) {
   const FrictionFit exact = cone_of(acquisition, 0);
   acquisition.probe_radius.reset();
   const FrictionFit cone = cone_of(acquisition);
-  // What slips is the ball, at more than the friction of its points.
+  // It is the ball that slips, at more than the friction of its points.
   EXPECT_GT(cone.lower_bound, 0.9);
   EXPECT_GT(exact.lower_bound, 0.9);
 }

@@ -106,7 +106,7 @@ TEST(FitSurfaceResponse, DoesNotDependOnTheOrderOfShapes) {
             2e-3);
 }
 
-// Where a contact was only pressed, it follows sideways as far as it follows inwards.
+// If a contact was only pressed, it follows sideways as far as it follows inwards.
 TEST(FitSurfaceResponse, TakesDirectionsThatWereNotDisplacedLikeTheOthers) {
   FollowingSheet sheet;
   std::erase_if(sheet.shapes,

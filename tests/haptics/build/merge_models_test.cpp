@@ -156,7 +156,7 @@ TEST(MergeModels, BlendsCompliancesLikeOneModelIfItsSidesDo) {
   for (const ContactModel& contact : forces.contacts) EXPECT_FALSE(contact.compliance);
 }
 
-// What a side learnt without the contacts of the other does not stay.
+// Values that a side learnt without the contacts of the other do not stay.
 TEST(MergeModels, BlendsForcesByTheStrengthsOfAllContacts) {
   const Model whole = hump_model(14);
   const Eigen::Isometry3d away = some_motion();
@@ -282,7 +282,7 @@ TEST(MergeModels, MovesFramesAndAxesOfFriction) {
   for (std::size_t i = 0; i < truth.contacts.size(); ++i) {
     const ContactModel &is = merged.model.contacts[i], &should = truth.contacts[i];
     EXPECT_EQ(is.id, should.id);
-    constexpr double kStored = 1e-6;  // what `rounded` changes, and some
+    constexpr double kStored = 1e-6;  // the change by `rounded`, and some
     EXPECT_LT((is.position - should.position).norm(), kStored);
     EXPECT_LT((is.frame.col(2) - should.frame.col(2)).norm(), kStored);
     EXPECT_LT((is.friction_axis - should.friction_axis).norm(), kStored);

@@ -220,7 +220,7 @@ TEST(DeviceLoop, GoesOverToAnotherModelWithoutAStep) {
     EXPECT_NEAR(last, before, 1e-9);
     for (int i = 0; i < 100; ++i) {
       const double felt = driver.tick(inside).command.force.norm();
-      EXPECT_GE(felt, last - 1e-3) << i;  // what the coupling tolerates
+      EXPECT_GE(felt, last - 1e-3) << i;  // the tolerance of the coupling
       EXPECT_LT(felt - last, 0.1);
       last = felt;
     }

@@ -55,7 +55,7 @@ TEST(DeviceRun, FeelsTheSheetWithASimulatedHand) {
   EXPECT_EQ(report.refused, 0);
   EXPECT_NEAR(static_cast<double>(report.actions[0]), 500, 1) << "the ramp";
   EXPECT_GT(report.given.touches, 0);
-  // What a spring of 0.28 N/mm (sheet and coupling) gives when it is sampled: K v^2 T t.
+  // The energy that a spring of 0.28 N/mm (sheet and coupling) gives if it is sampled: K v^2 T t.
   EXPECT_LT(report.given.in_touches, 0.28 * 0.08 * 0.08 * 1200);
   EXPECT_TRUE(report.device_lost.empty());
 }

@@ -86,8 +86,8 @@ TEST(LargestCalmStiffness, FallsWithTheDelay) {
   }
 }
 
-/// Whether a hand that pushes against a wall, on both sides of it a spring, stands still for the
-/// last tenth of 4 s.
+/// Returns true if a hand that pushes against a wall, on both sides of it a spring, stands still
+/// for the last tenth of 4 s.
 bool stands_still(const HandOptions& options, const CouplingOptions& coupling, double stiffness) {
   SimulatedHand hand(TimedPath({{0, Eigen::Vector3d::Zero()}}), options);
   hand.activate();

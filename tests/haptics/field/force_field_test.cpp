@@ -76,7 +76,7 @@ TEST(ForceField, ARidgePushesAlongItselfAlone) {
   const Eigen::Vector3d across = ridge.unitOrthogonal();
   EXPECT_TRUE(force(field, 3 * ridge + 7 * across).isApprox(2.5 * 3 / 5 * ridge, 1e-14));
   EXPECT_NEAR(potential(field, 3 * ridge + 7 * across), 2.5 * (5 - 4), 1e-14);
-  // Where its centre lies across the ridge does not matter.
+  // The place of its centre across the ridge does not matter.
   const ForceField moved{{{2.5, 4, 9 * across, ridge}}};
   EXPECT_TRUE(force(moved, 3 * ridge).isApprox(force(field, 3 * ridge), 1e-14));
 }

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Where `valley` ends.
+// The radius at which `valley` ends.
 double valley_radius() {
   double inside = 1, outside = 20;
   for (int i = 0; i < 60; ++i) {

@@ -65,7 +65,7 @@ double largest_difference(const Eigen::Matrix3Xd& left, const Eigen::Matrix3Xd& 
   return (left - right).colwise().norm().maxCoeff() / right.colwise().norm().maxCoeff();
 }
 
-// What is left of all contacts of a sheet.
+// Figures of the fits of all contacts of a sheet.
 struct SheetFigures {
   std::vector<double> bases, errors;  // sorted
   double at_noise = 0;                // part with an rms up to 1.25 times the noise floor

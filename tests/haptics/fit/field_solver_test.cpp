@@ -29,7 +29,7 @@ TEST(SolveField, StopsAtAMinimumWhereTheConstraintDoesNotMatter) {
   const FieldObjective objective = spring_objective(0.6);
   const FieldSolution solution = solve_field(objective, start_of_one());
   EXPECT_TRUE(solution.converged);
-  // But for epsilon, which is kept.
+  // Except for epsilon, which is kept.
   EXPECT_LT(objective.gradient(solution.parameters).head<4>().norm(), 1e-4);
   EXPECT_GT(smallest_stiffness(to_field(solution.parameters)), 0.1);
   EXPECT_NEAR(solution.value, objective.value(solution.parameters), 1e-12);

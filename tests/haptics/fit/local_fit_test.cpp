@@ -39,7 +39,7 @@ TEST(FitCertified, RepairsWhatTheLocalFitLosesFarFromTheData) {
   for (const auto& place : places.colwise()) {
     EXPECT_GE(potential(certified.fit.field, place), 0);
   }
-  // What the data say is not given up: forces are near 0.5.
+  // The fit still follows the data: forces are near 0.5.
   EXPECT_LT(certified.fit.rms, 0.05);
 }
 

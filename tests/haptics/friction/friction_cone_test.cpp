@@ -28,7 +28,7 @@ struct ConeProbing {
   double most = 3.3;    ///< [N] tangential force tried first
 };
 
-// What an arm tries that presses along the geometric normal and halves the interval of the
+// The trials of an arm that presses along the geometric normal and halves the interval of the
 // tangential force in each direction to 0.05 N (thesis 4.3). Independent of the fit: the physical
 // condition |f_T| > friction f_N with noise on each component of the force.
 std::vector<FrictionTrial> probe(const ConeProbing& with, unsigned seed) {
@@ -67,7 +67,7 @@ double quantile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
 }
 
-// What a campaign with pooled friction tries: in each direction at each level one force near the
+// The trials of a campaign with pooled friction: in each direction at each level one force near the
 // boundary, as far as it is known, and sometimes a second one.
 std::vector<FrictionTrial> probe_without_searching(const ConeProbing& with, unsigned seed) {
   std::mt19937 random(seed);
@@ -179,7 +179,7 @@ TEST(FitFriction, TurnsWithTheForcesScalesWithThemAndTakesThemInAnyOrder) {
   std::shuffle(trials.begin(), trials.end(), std::mt19937(1));
   const FrictionFit turned =
       fit_friction(trials, some_rotation() * kNormal, {.force_noise = 0x1p-20 * kForceNoise});
-  // Where the search ends, well below the standard errors of 0.002.
+  // The accuracy of the search, well below the standard errors of 0.002.
   constexpr double kEnd = 1e-5;
   EXPECT_LT((turned.axis - some_rotation() * fit.axis).norm(), kEnd);
   EXPECT_NEAR(turned.coefficient, fit.coefficient, kEnd);

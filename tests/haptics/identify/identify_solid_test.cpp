@@ -123,7 +123,7 @@ TEST(IdentifySolid, SaysWhatPressesAloneDoNotDetermine) {
   EXPECT_EQ(found.report.parameters[0].status, ParameterStatus::determined);
   EXPECT_NE(found.report.parameters[1].status, ParameterStatus::determined) << "the inclusion";
   EXPECT_NE(found.report.parameters[2].status, ParameterStatus::determined) << "the bulk modulus";
-  // What is not determined stays as it was given (the common factor is one here).
+  // A value that is not determined stays as it was given (the common factor is one here).
   EXPECT_EQ(found.object.body.materials[1].shear_modulus, 0.1);
 }
 

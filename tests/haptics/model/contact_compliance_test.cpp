@@ -26,7 +26,7 @@ ForceField ridges_along_axes(const Eigen::Vector3d& weights, const Eigen::Vector
   return field;
 }
 
-// How much softer than at the origin an object is that is held at x = +-60, as a stretched sheet.
+// Compliance over that at the origin of an object held at x = +-60, as a stretched sheet.
 double softness(double x) { return 1 - x * x / 3600; }
 
 // Contacts 14 mm apart on the flat surface, all fields of one shape: displacements for the same
@@ -84,7 +84,7 @@ TEST(WithCompliances, FindsTheTrendAlongTheSurface) {
     EXPECT_NEAR(trend(1), 0, 1e-3);
     EXPECT_NEAR(trend(2), -2.0 / 3600 * top, 1.4 * top / 3600);
   }
-  // What is missing is what kriging cannot tell from noise: it goes with the spacing.
+  // The missing part is what kriging cannot tell from noise: it decreases with the spacing.
   for (const ContactModel& contact : with_compliances(stretched_model(7), 3).contacts) {
     if (contact.position.head<2>().cwiseAbs().maxCoeff() > 30) continue;
     const double top = 20 / std::sqrt(3);

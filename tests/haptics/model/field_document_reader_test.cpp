@@ -15,7 +15,7 @@ using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// What reading says after a good document was changed; in CBOR as in JSON.
+// The message of reading after a good document was changed; in CBOR as in JSON.
 template <typename Change>
 std::string refused_document(Change&& change) {
   json document = json::parse(field_document(some_model(), ModelEncoding::json));

@@ -44,7 +44,7 @@ TEST(ModelDocumentation, ShowsNoCodeInOtherLanguagesThanThoseThatTestsRun) {
   EXPECT_EQ(fences, 2 * (5u + 2u));
 }
 
-// What a script prints; it stands in a folder that is its working directory.
+// Returns the output of a script; it stands in a folder that is its working directory.
 std::string output_of(const std::string& interpreter, const fs::path& script) {
   const fs::path folder = script.parent_path();
   const std::string command = "cd '" + folder.string() + "' && " + interpreter + " '" +

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// What reading says after surface.ply was changed as a mesh file.
+// The message of reading after surface.ply was changed as a mesh file.
 template <typename Change>
 std::string refused_surface(Change&& change) {
   const ScratchFolder scratch;

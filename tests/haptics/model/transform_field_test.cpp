@@ -108,7 +108,7 @@ TEST(TransformField, RefitsAsFarAsTheObjectIsPressed) {
     EXPECT_LT(error(far_field(), map, 1, result.field, result.reach), 0.03 * pressed);
     before = result.reach;
   }
-  // What no displacement can reach: where the force hardly grows any more.
+  // No displacement reaches this force: the reach ends where the force hardly grows any more.
   const TransformedField soft = transform_field(spring(2, 5), map, 1, 1e6);
   EXPECT_NEAR(mean_force(spring(2, 5), soft.reach / kReachFactor), 0.75 * 2, 0.01);
   EXPECT_EQ(transform_field(spring(2, 5), map, 1).reach, 5);

@@ -25,8 +25,8 @@ bool counts_allocations() { return true; }
 }  // namespace palpate::test
 
 // The functions of the C library under the names by which all libraries call them. The real ones
-// have a second name in glibc, but for those of alignment, which all end in memalign, and for those
-// of the system.
+// have a second name in glibc, except for those of alignment, which all end in memalign, and for
+// those of the system.
 extern "C" {
 // NOLINTBEGIN(bugprone-reserved-identifier)
 void* __libc_malloc(std::size_t size);

@@ -64,7 +64,7 @@ TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
     const SlidingContact end = search_slip(field, surface, start, tool, {}, place, memory);
     EXPECT_LE(std::abs(end.parts.excess), 2e-4) << i;
     EXPECT_LT(memory.slope, 0) << i;
-    // What is returned is the force at the place that is returned.
+    // The returned force is the one at the returned place.
     EXPECT_LT((field.force(place, tool - end.at.position).force - end.force.force).norm(), 1e-12);
     EXPECT_LT((position(model.surface, surface.point(end.at)) - end.at.position).norm(), 1e-6);
     const TouchPoint brent = slip_contact(
@@ -85,7 +85,7 @@ TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
   EXPECT_GT(agree, 9 * roots / 10);
 }
 
-// Where friction is low, the section seldom has a root, and the last slip's Jacobian counts.
+// If friction is low, the section seldom has a root, and the last slip's Jacobian counts.
 TEST_F(SlipSearch, FindsARootWhateverItRemembers) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);

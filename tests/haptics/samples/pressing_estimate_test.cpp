@@ -108,7 +108,7 @@ TEST(EstimatePressing, FindsOffsetsWithinTheirErrors) {
 }
 
 TEST(EstimatePressing, FindsTheNoiseOfOneSampleAContact) {
-  // 0.1 to 0.5 N at 0.4 mm. What contacts do not have in common with those around is all noise.
+  // 0.1 to 0.5 N at 0.4 mm. Differences between contacts and those around are all noise.
   for (const double noise : {0.02, 0.06}) {
     const Pressed truth = pressed({.noise = noise, .depths = 1});
     const PressingEstimate found = estimate_pressing(truth.contacts);
@@ -127,7 +127,7 @@ TEST(EstimatePressing, FindsTheNoiseOfOneSampleAContact) {
 
 TEST(EstimatePressing, StatesTheErrorsOfTouches) {
   // Squared errors in units of the stated ones: of the mean touch, of its slope over heights, and
-  // of the touch of each contact. All contacts share the error of the mean. Where heights tell the
+  // of the touch of each contact. All contacts share the error of the mean. If heights tell the
   // touches, the stated error of the mean is 0.005 mm, up to two times too small.
   constexpr int kSeeds = 3;
   for (const bool heights : {false, true}) {

@@ -135,7 +135,7 @@ TEST(Realign, EstimatesTheNoiseFromGroupsOfAnySize) {
   }
 }
 
-// Where the tool touches varies along the surface, but is the same for a and b of a sample.
+// The touch varies along the surface, but is the same for a and b of a sample.
 TEST(Realign, UnderstatesTheNoiseOfPairsOnARigidObjectByRootTwoAtMost) {
   std::mt19937 random(6);
   std::normal_distribution<double> normal(0, 0.02);

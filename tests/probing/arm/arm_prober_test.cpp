@@ -211,15 +211,15 @@ TEST(ArmProber, ADitherAtRestMakesTheForceMoreExactAndDoesNotShakeTheTip) {
   RecordProperty("without_dither_N", std::to_string(without.norm()));
 }
 
-/// What the work of a tangential force is on a body with retarded elasticity, dragged along one
-/// axis on the ramp of the prober, by the equations of the standard linear solid.
+/// The work of a tangential force on a body with retarded elasticity, dragged along one axis on the
+/// ramp of the prober, by the equations of the standard linear solid.
 struct WorkOfRamp {
   double in = 0, lost = 0;  // [N mm] to the end of the rest; in the drag and in the release
   double creep = 0;         // share of the displacement that comes after the ramp
 };
 WorkOfRamp work_of_ramp(double compliance, const Retardation& retardation, double force,
                         double seconds) {
-  // What the dashpot takes: h^2 / (share compliance time), with h = share compliance f - r, which
+  // The loss in the dashpot: h^2 / (share compliance time), with h = share compliance f - r, which
   // follows dh/dt = share compliance df/dt - h / time. Ramp up and down take the same.
   constexpr double kStep = 1e-5;  // [s]
   const double late = retardation.share * compliance, time = retardation.time;

@@ -120,7 +120,7 @@ TEST(RemoteArm, WaitsForADriverThatStallsNoLongerThanItsTimeAndGoesOnAfterwards)
   bool answered = false;
   for (int i = 0; i < 100 && !answered; ++i) answered = arm.read(state);
   EXPECT_TRUE(answered);
-  // What comes is each time a new state, not a late one.
+  // Each answer is a new state, not a late one.
   const double after = state.time;
   ASSERT_TRUE(arm.read(state));
   EXPECT_GT(state.time, after);

@@ -112,7 +112,7 @@ TEST(Campaign, EndsWhereNothingHoldsAndWhereHardlyAnythingSlips) {
       EXPECT_EQ(campaign.progress().contacts_given_up, 0);
       for (const TrialRecord& record : records) {
         const TrialOrder& order = record.order;
-        // Without friction the tip slides off as it is pressed; so much friction it leaves only
+        // Without friction the tip slides off as it is pressed; with much friction it slips only
         // under the least normal forces.
         const bool slips = order.tangential_force.norm() > friction * order.normal_force.norm();
         if (friction == 0) {

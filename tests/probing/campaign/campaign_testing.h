@@ -9,7 +9,7 @@
 #include "palpate/probing/closed_form.h"
 #include "palpate/probing/quasi_static_arm.h"
 
-// What tests of campaigns share.
+// Shared by the tests of campaigns.
 namespace palpate::probing::testing {
 
 /// A plan of a few contacts of a sheet.

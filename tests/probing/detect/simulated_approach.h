@@ -11,7 +11,7 @@
 
 namespace palpate::probing::testing {
 
-/// A tip that is pushed towards an object. What a detector may not know is in here.
+/// A tip that is pushed towards an object, with the values that a detector may not know.
 struct Approach {
   double mass = 0.08;          ///< [kg]
   double stiffness = 1;        ///< [N/mm] of the object; 0 for none

@@ -26,7 +26,7 @@ inline double microslip_left(double load) {
   return 2 * std::pow(1 - load / 2, 2.0 / 3) - std::pow(1 - load, 2.0 / 3) - 1;
 }
 
-/// What is pressed on, at one contact.
+/// The object under the tip, at one contact.
 struct SimulatedSpring {
   double compliance = 1;  // [mm/N]
   double share = 0;       // of it in the contact itself

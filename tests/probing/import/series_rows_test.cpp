@@ -125,7 +125,7 @@ TEST_F(SeriesRowsTest, MakesSamplesOfDragsAndOfTheForceUnderWhichTheTipSlid) {
       EXPECT_NEAR(sample.force.x(), 1, 0.06);  // friction
       continue;
     }
-    // Friction yields at 2.5 mm. What holds has the forces of the springs.
+    // Friction yields at 2.5 mm. Samples that held have the forces of the springs.
     EXPECT_LT(sample.b.x(), 2.5);
     EXPECT_NEAR(sample.force.x(), 0.4 * sample.b.x(), 1e-3);
     if (sample.a == sample.b) continue;

@@ -29,8 +29,8 @@ constexpr double kBallRadius = 15;  // [mm]
 constexpr double kBallNoise =
     0.03;  // [mm] of a coordinate of a centre; three times as much in depth
 
-/// What the camera knows of a ball of which it sees a cap: the depth is less certain here, so that
-/// weights matter.
+/// Information of the camera about a ball of which it sees a cap: the depth is less certain here,
+/// so that weights matter.
 Eigen::Matrix3d cap() { return Vector3d(9, 9, 1).asDiagonal().toDenseMatrix() / 19; }
 
 /// A ball that an arm moves through a room of 150 x 100 x 120 mm before a camera.

@@ -13,7 +13,7 @@ namespace palpate::probing::test {
 
 inline constexpr double kTurnDegree = std::numbers::pi / 180;
 
-/// Where the arm stands before the camera.
+/// The pose of the arm before the camera.
 inline Eigen::Isometry3d stand() {
   return Eigen::Translation3d(20, -190, 480) *
          Eigen::AngleAxisd(1.4, Eigen::Vector3d(1, 0.2, -0.1).normalized());

@@ -28,7 +28,7 @@ using Change = std::function<void(Acquisition&)>;
 
 constexpr std::array<double, 4> kLevels = {0.3, 0.8, 1.6, 3};  // [N]
 
-/// What an object is like that follows the definitions exactly up to noise.
+/// An object that follows the definitions exactly up to noise.
 struct Spring {
   double normal = 0.3;      ///< [N/mm]
   double tangential = 0.2;  ///< [N/mm]
@@ -116,7 +116,7 @@ Finding the_finding(Acquisition acquisition, const Change& change) {
 }
 
 /// The only finding after a change, for the measurement of a spring; also if its noise is that of a
-/// poor sensor, and wherever the frame is.
+/// poor sensor, and for any frame.
 Finding finding_of(const Change& change) {
   const Finding found = the_finding(dragged(), change);
   for (Acquisition other : {dragged({.noise = 0.1}), dragged({.noise = 0.1, .late = 1})}) {

@@ -26,7 +26,7 @@ std::string refused_database(const std::filesystem::path& path) {
   return refusal([&] { return read_acquisition(path); });
 }
 
-// What reading says after `sql` has changed a good database.
+// The message of reading after `sql` has changed a good database.
 std::string refused_after(const char* sql) {
   const ScratchFolder scratch;
   const std::filesystem::path path = scratch / "a.db";

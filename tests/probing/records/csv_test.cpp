@@ -19,7 +19,7 @@ using ::testing::Not;
 
 constexpr std::array<std::string_view, 2> kLetterColumns = {"b", "a"};
 
-// Before the first row. What is open can be read even after its folder is gone.
+// Before the first row. An open file can be read even after its folder is gone.
 CsvReader reader_of(const std::string& text, const TableLayout& layout = {}) {
   const ScratchFolder scratch;
   const std::filesystem::path path = scratch / "t.csv";
