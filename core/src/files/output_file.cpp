@@ -274,7 +274,7 @@ void swap_in(const fs::path& temporary, const fs::path& place) {
     fs::rename(old, place);
     throw;
   }
-  std::error_code ignored;  // the result is in place; what is left of the old one does no harm
+  std::error_code ignored;  // the result is in place; remains of the old one do no harm
   fs::remove_all(old, ignored);
 }
 

@@ -23,7 +23,7 @@ void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
   // Places whose addresses stand for the beginning and end of the call, and for its two serial
   // functions.
   char started = 0, taking = 0, delivering = 0, done = 0;
-  // The pipeline forgets what is in it when a function throws, so it does not own the items.
+  // The pipeline forgets its items when a function throws, so it does not own them.
   std::vector<Item> live(static_cast<std::size_t>(max_live));
   std::size_t taken = 0;
   leave(&started);

@@ -23,7 +23,7 @@ struct FieldText {
 
 /// Sets a field from text.
 /// \throws InvalidInput if the list has no such field, or the text is not a value in its range; the
-/// message says what would be right.
+/// message states which values are expected.
 void assign(const FieldList& fields, std::string_view name, std::string_view text);
 
 /// Sets fields from words NAME=VALUE with blanks between them: "tolerance=1e-4 hold_ticks=5".
