@@ -82,7 +82,7 @@ bool have_pair(const PointsRef& points, const std::vector<int>& a, const std::ve
 
 bool have_pair_within(const PointsRef& points, const std::vector<int>& a, const std::vector<int>& b,
                       double reach) {
-  // Of large cells only the points that face each other are compared.
+  // Of large cells, only the points that face each other are compared.
   constexpr std::size_t kFew = 256;  // pairs
   if (a.size() * b.size() > kFew) {
     const std::vector<int> near_b = near_box(points, a, box_of(points, b), reach);

@@ -15,8 +15,8 @@
 namespace palpate::geometry {
 namespace {
 
-/// Neighbours are on a line iff their standard deviation across it is at most this fraction of that
-/// along it: far above rounding, far below what any instrument resolves.
+/// Neighbours are on a line if their standard deviation across it is at most this fraction of that
+/// along it: far above rounding, far below the resolution of any instrument.
 constexpr double kThin = 1e-6;
 
 /// Normal of the plane of least squares; NaN for points on a line.
@@ -58,7 +58,7 @@ CloudNormals cloud_normals(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   const PointTree tree(points);
   CloudNormals result{.normals = Eigen::Matrix3Xd::Constant(3, points.cols(), kNan)};
   const Eigen::Index views = options.viewpoints.cols();
-  // The neighbours of each point are looked for once more to turn the normals to one side.
+  // The neighbours of each point are searched once more to turn the normals to one side.
   const auto count = static_cast<int>(tree.places().size());
   WorkSteps steps(options.progress, (views > 0 ? count : 2 * count) + 1);
   for_each_neighbourhood(tree, options.neighbours, steps,

@@ -15,8 +15,8 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// Points, or directions, determine a shape iff they are apart by more than this fraction of their
-/// extent: far above rounding, far below what any instrument resolves.
+/// Points, or directions, determine a shape if they are apart by more than this fraction of their
+/// extent: far above rounding, far below the resolution of any instrument.
 constexpr double kApart = 1e-9;
 
 /// Least squares by Gauss and Newton. `equations(model, A, b)` adds up the normal equations A x = b

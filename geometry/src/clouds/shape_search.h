@@ -53,7 +53,7 @@ struct ShapeSearch {
   [[nodiscard]] int size() const { return static_cast<int>(known.size()); }
 };
 
-/// Checks the options. `points` and what follows are empty if there are fewer than `sample` points.
+/// Checks the options. `points` and later members are empty for fewer than `sample` points.
 [[nodiscard]] ShapeSearch prepare_search(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                          const CloudShapeOptions& options, int sample);
 

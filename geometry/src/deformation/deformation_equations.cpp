@@ -30,9 +30,9 @@ constexpr std::size_t kParts = 8;
 /// data nor neighbours determine (a sheet that slides in itself, a piece that is not seen) stay.
 constexpr double kAnchor = 0.005;
 
-/// Growth of the whole surface costs this fraction of what it would cost if each link stretched.
-/// With less, smooth surfaces shrink where nothing shows their size, because nodes can follow a
-/// smaller surface more closely.
+/// Growth of the whole surface costs this fraction of the cost of stretching each link. With less,
+/// smooth surfaces shrink where nothing shows their size, because nodes can follow a smaller
+/// surface more closely.
 constexpr double kScale = 0.05;
 
 /// A surface that grows or shrinks more than by this factor is not followed.

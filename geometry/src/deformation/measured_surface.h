@@ -17,7 +17,7 @@ struct MeasuredPlane {
   Eigen::Vector3d point;  ///< [mm] measured, camera frame; NaN without a depth
   Eigen::Vector3d
       normal;  ///< unit, towards the camera; NaN if too few neighbours are on the surface
-  bool at_border = false;  ///< of what was measured, or at a step: the depth may be biased
+  bool at_border = false;  ///< of the measured surface, or at a step: the depth may be biased
 };
 
 /// A range map as points with normals, for projective association.

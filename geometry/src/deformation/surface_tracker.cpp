@@ -19,7 +19,7 @@ namespace {
 constexpr int kMostNodes = 100000;
 constexpr int kMostSteps = 10000;
 
-/// Of the vertices that face the camera, the fraction that lies on the measured surface.
+/// Share of the vertices facing the camera that lie on the measured surface.
 double visible_fraction(const DeformedSurface& surface) {
   const auto with = [&](VertexSight sight) {
     return static_cast<double>(std::ranges::count(surface.sight, sight));

@@ -319,7 +319,7 @@ std::vector<Response> changes_of(const DeformationGraph& graph,
     Response& of_noise = changes[draw];
     // With the planes as they are: their noise does not show motions, but passes errors on.
     of_noise = equations.response_to_distances(fitted.pairs, random_errors(fitted, noise, random));
-    // Of a surface that is stretched, which the links at rest are not.
+    // Change of a surface that is stretched, which the links at rest are not.
     Response& of_strain = changes[kDraws + draw];
     const Eigen::VectorXd stretch = random_stretch(graph, random);
     of_strain = equations.response_to_links(-stretch);

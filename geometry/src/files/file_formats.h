@@ -70,8 +70,8 @@ void write_vtk(std::ostream& stream, const MeshFile& file);
 
 /// Reads glTF (in metres) and all other formats of assimp, in float. The parts of a scene are
 /// combined at their positions, with normals and colours if all parts have them.
-/// \param content what was read from `path`. The file itself is read again, with those that it
-/// names, unless it is a pipe.
+/// \param content read from `path`. The file itself is read again, with those that it names, unless
+/// it is a pipe.
 /// \param ending of the format, such as ".glb".
 /// \throws FileError if the file is damaged, or the ending not that of a mesh.
 [[nodiscard]] PolygonMesh read_assimp_scene(const std::filesystem::path& path,

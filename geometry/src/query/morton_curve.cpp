@@ -22,7 +22,7 @@ std::uint64_t morton_place(const Eigen::Array<std::uint32_t, 3, 1>& cell) {
   return spread_bits(cell[0]) | spread_bits(cell[1]) << 1U | spread_bits(cell[2]) << 2U;
 }
 
-// By its digits, from the last to the first.
+// Radix sort: by the digits, from the last to the first.
 std::vector<OnMortonCurve> sorted(std::vector<OnMortonCurve> all) {
   constexpr unsigned kBits = 48, kDigit = 12;
   constexpr std::size_t kDigits = std::size_t{1} << kDigit;

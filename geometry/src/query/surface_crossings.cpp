@@ -16,7 +16,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// Few lines cross a surface more often, so that memory for the crossings is asked for only once.
+/// Few lines cross a surface more often, so that memory for the crossings is allocated only once.
 constexpr std::size_t kUsualCrossings = 8;
 
 /// A segment in float that meets the side of a box at the fraction (side - origin) * inverse of its

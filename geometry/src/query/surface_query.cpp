@@ -49,7 +49,7 @@ struct LocalLine {
   /// long for that.
   double clip_begin, clip_end;
 
-  /// Fraction of the segment, or multiple of the ray's unit, from the fraction of what is cut out.
+  /// Fraction of the segment, or multiple of the ray's unit, from the fraction of the clipped part.
   [[nodiscard]] double along(double fraction) const {
     return clip_begin + fraction * (clip_end - clip_begin);
   }

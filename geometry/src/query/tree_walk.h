@@ -72,7 +72,7 @@ class ChildStack {
 /// Walks down the tree, to the nearest child first. Distances are of type `Number`.
 /// \param meet finds the children of a node that matter, and their distances.
 /// \param look_at looks at the packet with this number.
-/// \param limit is asked for the distance beyond which nothing matters any more.
+/// \param limit returns the distance beyond which nothing matters any more.
 template <typename Number>
 void walk_tree(const BoundingTree& tree, const auto& meet, const auto& look_at, const auto& limit) {
   ChildStack<Number> stack;

@@ -75,7 +75,7 @@ Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& pack
 }
 
 DoubleLanes squared_distances(const Eigen::Vector3d& point, const TrianglePacket& packet) {
-  // By which a corner in [-1, 1] moves at most when it is rounded to float.
+  // Largest move of a corner in [-1, 1] when it is rounded to float.
   constexpr double kRounding = static_cast<double>(std::numeric_limits<float>::epsilon()) / 2;
   const auto& [a, b, c] = packet.corner;
   DoubleLanes squared = DoubleLanes::Zero();

@@ -81,7 +81,7 @@ std::vector<Trial> try_weak_motions(const RegistrationTarget::Impl& target,
 /// size of the target as its uncertainty.
 Matrix6d pose_covariance(const RigidProblem& problem, const std::vector<Vector6d>& free,
                          double variance, double diagonal, double scale) {
-  Matrix6d fixed = Matrix6d::Identity();  // projects onto what is fixed
+  Matrix6d fixed = Matrix6d::Identity();  // projects onto the motions that are fixed
   for (const Vector6d& motion : free) {
     const Vector6d unit = (fixed * motion).normalized();
     fixed -= unit * unit.transpose();

@@ -33,7 +33,7 @@ class VertexCloud {
 
 /// Functions of the module `registration_pcl`.
 struct VertexClouds {
-  /// Of the points whose normals are finite; both are 3 x V.
+  /// Makes a cloud of the points whose normals are finite; both are 3 x V.
   std::unique_ptr<const VertexCloud> (*create)(const Eigen::Matrix3Xd& points,
                                                const Eigen::Matrix3Xd& normals);
 };

@@ -39,7 +39,7 @@ class ScanDistance {
   /// \param near the nearest triangle, and its corner if that is the nearest point.
   [[nodiscard]] PlaceDistance at(const Eigen::Vector3d& place, NearTriangle near) const;
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
-  /// Of half-edges, see `opposite_half_edges`.
+  /// Opposites of half-edges, see `opposite_half_edges`.
   [[nodiscard]] const Eigen::Matrix3Xi& opposite() const { return opposite_; }
 
  private:

@@ -24,8 +24,8 @@ namespace {
 /// Lengths in point spacings.
 constexpr double kLead = 4;       ///< a later scan must be this much farther from its border
 constexpr double kSeamGap = 0.5;  ///< between pieces, so that the seam has no needles
-/// Rounds of removing what overlaps the other piece; the second one only handles what the first one
-/// has exposed.
+/// Rounds of removing triangles that overlap the other piece; the second one only handles those
+/// that the first one has exposed.
 constexpr int kClipRounds = 4;
 
 /// A surface under construction: oriented, manifold, with measured vertices. A vertex may be

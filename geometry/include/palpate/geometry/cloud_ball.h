@@ -12,9 +12,9 @@ namespace palpate::geometry {
 /// A ball of known radius in a view of a scene.
 struct SeenBall {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [mm]
-  /// How much better some coordinates of the centre are known than others: the mean of n n^T over
-  /// the points on the ball with their weights, where n points from the centre to the point. Its
-  /// trace is 1. The covariance of the centre is its inverse times a variance.
+  /// Relative precision of the coordinates of the centre: the mean of n n^T over the points on the
+  /// ball with their weights, where n points from the centre to the point. Its trace is 1. The
+  /// covariance of the centre is its inverse times a variance.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   int points = 0;  ///< on the ball
   double rms = 0;  ///< [mm] of their distances from the sphere

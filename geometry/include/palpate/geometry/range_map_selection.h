@@ -39,7 +39,7 @@ void check_selection(const RangeMapSelectionOptions& options);
 inline constexpr double kLeastPlane = 0.1;
 
 /// The depths that are kept, and how many pixels each option has left out. An option does not count
-/// what one before it has left out: near, far, crop, mask, plane.
+/// pixels that an earlier one has left out: near, far, crop, mask, plane.
 struct RangeMapSelection {
   ImageF z = {};                   ///< [mm] NaN where unknown or left out
   long known = 0;                  ///< pixels with a depth before the selection

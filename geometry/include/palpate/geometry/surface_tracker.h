@@ -35,7 +35,7 @@ struct TrackingOptions {
 
 void visit(TrackingOptions& options, FieldVisitor& visitor);
 
-/// Figures that tell how well a surface fits a range map.
+/// Figures of the fit of a surface to a range map.
 struct TrackingFigures {
   double rms = 0;           ///< [mm] distances of measured vertices from the measured surface
   double p95 = 0;           ///< [mm]
