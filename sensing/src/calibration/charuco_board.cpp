@@ -90,7 +90,7 @@ std::optional<FoundBoard> find_charuco_board(const cv::Mat& gray, const cv::Mat_
   const Eigen::Matrix2Xd all = board_corners(board);
   std::vector<cv::Point2d> on_board, seen(found.begin(), found.end());
   for (const int id : ids) on_board.emplace_back(all(0, id), all(1, id));
-  constexpr double kFarthest = 0.5;  // squares from where the others tell: more than a lens bends
+  constexpr double kFarthest = 0.5;  // squares from the place by the others: more than a lens bends
   std::vector<uchar> fits;
   const cv::Mat map =
       cv::findHomography(seen, on_board, cv::RANSAC, kFarthest * board.square, fits);

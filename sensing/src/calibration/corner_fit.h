@@ -27,7 +27,7 @@ struct CornerFit {
 /// This image is even about the corner, so that a response curve, glare or too small a circle do
 /// not move it; the edges may be bent as by a lens, which would otherwise pull all corners towards
 /// the middle of the image. Light that falls off across blurred edges moves them against its
-/// gradient; this is taken back. On simulated boards residuals fall from 0.025 px of the balance of
+/// gradient; this is corrected. On simulated boards residuals fall from 0.025 px of the balance of
 /// gradients (`cornerSubPix`) to 0.003 px.
 /// \param image CV_32F.
 /// \return empty if the circle leaves the image, if there is no contrast, or if the fit does not

@@ -15,7 +15,7 @@ namespace palpate::sensing {
 struct FoundBoard {
   Eigen::Matrix2Xd board;    ///< 2 x N [mm] in the plane of the board
   Eigen::Matrix2Xd corners;  ///< 2 x N [px]
-  int window = 0;            ///< px, half the side of the squares that tell where the corners are
+  int window = 0;            ///< px, half the side of the squares in which corners are refined
   double blur = 0;           ///< px, standard deviation; 0 if unknown
 };
 

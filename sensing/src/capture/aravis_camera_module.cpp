@@ -148,7 +148,7 @@ AravisCamera::AravisCamera(const std::string& name, const CameraSettings& settin
   gint x = 0, y = 0;
   asked(state_.name, "its size", arv_camera_get_region, camera, &x, &y, &state_.size.width,
         &state_.size.height);
-  Report unknown;  // not every camera tells its rate
+  Report unknown;  // not every camera reports its rate
   state_.rate = std::max(arv_camera_get_frame_rate(camera, unknown), 0.0);
   if (arv_camera_is_exposure_time_available(camera, nullptr) != 0)
     state_.exposure_us = arv_camera_get_exposure_time(camera, nullptr);

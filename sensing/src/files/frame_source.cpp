@@ -182,7 +182,7 @@ std::vector<fs::path> list_images(const fs::path& folder) {
        entry.increment(error)) {
     if (!has_frame_name(entry->path()) || is_hidden(entry->path())) continue;
     std::error_code ignored;  // an inaccessible entry is not an image
-    // The folder itself tells which entries are files; only links have to be followed. One that
+    // The folder itself states which entries are files; only links have to be followed. One that
     // leads nowhere is a frame that is missing; its reader says so.
     if (entry->is_regular_file(ignored) ||
         entry->status(ignored).type() == fs::file_type::not_found)

@@ -13,8 +13,8 @@
 namespace palpate::sensing {
 namespace {
 
-/// Adds a channel, rotated by the angle of `cosine` and `sine`, to the sum, and stores what was
-/// added.
+/// Adds a channel, rotated by the angle of `cosine` and `sine`, to the sum, and stores the rotated
+/// channel.
 PALPATE_HOT_LOOP void add_turned(const float* re, const float* im, const float* cosine,
                                  const float* sine, long columns, float* __restrict added_re,
                                  float* __restrict added_im, float* __restrict sum_re,

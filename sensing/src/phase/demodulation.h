@@ -19,7 +19,7 @@ struct DemodulationFilter {
   /// Number of binomial averages along the rows; each doubles the pixel spacing of the one before.
   int averages = 1;
 
-  /// Of the carrier [px].
+  /// Period of the carrier [px].
   [[nodiscard]] double period() const { return 2 * std::numbers::pi / std::abs(carrier); }
   /// Number of pixels of a row that the averages cover.
   [[nodiscard]] int width() const { return 4 * ((1 << averages) - 1) + 1; }

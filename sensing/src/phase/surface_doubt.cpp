@@ -241,7 +241,7 @@ void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& f
   const long rows = signal.wrapped.rows();
   const long columns = signal.wrapped.cols();
   const auto known = signal.variance.isFinite();
-  // Of the brightest channel.
+  // The light of the brightest channel.
   Plane light = Plane::Zero(rows, columns);
   for (const Demodulated& channel : signal.channels) light = light.max(channel.mean);
   light = known.select(light, kUnknown);

@@ -19,7 +19,7 @@ namespace {
 constexpr double kLeastPivot = 0.05;
 
 /// The window must also keep this share of its weight. With less, the pixel is so far from the
-/// middle of what remains that a slope of the brightness or of the phase changes the phase.
+/// middle of the remaining part that a slope of the brightness or of the phase changes the phase.
 constexpr double kLeastWeight = 0.75;
 
 /// Eight columns at once: one register of processors with AVX2. GCC 12 splits larger vectors into

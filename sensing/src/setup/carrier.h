@@ -26,12 +26,12 @@ struct Carrier {
   double z = 0;       ///< depth at which this holds
   bool stripes_reversed = false;  ///< the stripes follow each other from right to left
 
-  /// Of the sinusoid, in the working image [px].
+  /// Period of the sinusoid in the working image [px].
   [[nodiscard]] double period() const { return 2 * std::numbers::pi / std::abs(along); }
 };
 
 /// Predicts the carrier for surfaces facing the camera, averaged over the camera's image and over
-/// the depths at which the projector lights what the camera sees.
+/// the depths at which the projector lights the camera's view.
 /// \throws InvalidInput if there is no such depth, or if the sinusoid's period is shorter than two
 /// camera pixels or longer than the image.
 [[nodiscard]] Carrier expected_carrier(const Rig& rig, const Pattern& pattern);

@@ -148,7 +148,7 @@ std::vector<Doubt> depth_doubts(double depth) {
 
 std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map,
                                     std::optional<double> mm_per_unit) {
-  constexpr Eigen::Index kLooks = 10'000;  // pixels that tell the median
+  constexpr Eigen::Index kLooks = 10'000;  // pixels that give the median
   std::vector<Doubt> doubts = camera_doubts(map.camera);
   std::vector<double> depths;
   const Eigen::Index step = map.z.size() / kLooks + 1;

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// The secant method stops when the projector pixel is within this [px], a thousandth of what the
-/// phase can resolve.
+/// The secant method stops when the projector pixel is within this [px], a thousandth of the
+/// resolution of the phase.
 constexpr double kPixelTolerance = 1e-6;
 /// The number of digits grows 1.6 times per step; lenses whose image does not fold need 4 or 5
 /// steps.

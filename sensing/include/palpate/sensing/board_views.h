@@ -15,9 +15,9 @@ namespace palpate::sensing {
 /// A chessboard. One count of inner corners should be odd and the other even, so that the board
 /// looks different when turned upside down.
 ///
-/// With `marker` > 0 it is a ChArUco board: the white squares contain markers, which tell every
-/// corner's place even if much of the board is hidden. The first corner square is black, and the
-/// markers are the first ones of OpenCV's dictionary, row by row.
+/// With `marker` > 0 it is a ChArUco board: the white squares contain markers, which identify every
+/// corner even if much of the board is hidden. The first corner square is black, and the markers
+/// are the first ones of OpenCV's dictionary, row by row.
 struct Board {
   int columns = 0;      ///< inner corners along x, >= 3
   int rows = 0;         ///< inner corners along y, >= 3

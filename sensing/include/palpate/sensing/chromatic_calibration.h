@@ -43,7 +43,7 @@ struct ChannelCalibration {
   double rms_after = 0;      ///< [rad] the same with compensation
   int cells = 0;             ///< independent phase measurements used
   int outliers = 0;          ///< phase measurements rejected because of large residuals
-  /// How well the measurements separate the parameters: smallest singular value of the Jacobian
+  /// Separation of the parameters by the measurements: smallest singular value of the Jacobian
   /// after its columns are scaled to unit length. 1 is ideal, 0 means undetermined.
   double separation = 0;
 };

@@ -23,7 +23,7 @@ struct Anchor {
   double z = 0;     ///< [mm] depth, > 0
 };
 
-/// How the phase image is divided into smooth regions.
+/// Method that divides the phase image into smooth regions.
 enum class Segmentation {
   flood,  ///< connected smooth pixels, cut where stripe edges disagree
   snakes  ///< growing snakes (thesis 3.3.4), which bridge gaps in region borders; slower

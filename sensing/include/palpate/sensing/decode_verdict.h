@@ -23,7 +23,7 @@ inline constexpr int kFrameExplanations = 8;
 /// Bands of rows of a frame that are judged one by one.
 inline constexpr int kRowBands = 12;
 
-/// Sums over stripe edges that tell whether their shift against the sinusoid depends on the depth.
+/// Sums over stripe edges that show whether their shift against the sinusoid depends on the depth.
 struct DepthTrend {
   long edges = 0;
   double disparity = 0;  ///< [px] shift of an edge in the image by its depth, relative to infinity
@@ -34,7 +34,7 @@ struct DepthTrend {
   DepthTrend& operator+=(const DepthTrend& other);
 };
 
-/// How well the stripes of frames agree with their sinusoid, which are independent measurements of
+/// Agreement of the stripes of frames with their sinusoid, which are independent measurements of
 /// the same depths: sums over frames, so that `+=` combines a sequence.
 ///
 /// A stripe edge gives a depth, and this a phase of the sinusoid; the measured phase differs from
@@ -89,7 +89,7 @@ enum class DecodeVerdict {
 struct DecodeJudgement {
   DecodeVerdict verdict = DecodeVerdict::too_little;
   std::string reason;  ///< the verdict in a sentence, with figures and what to try
-  /// Returns true if nothing speaks against the depths: `accepted` or `too_little`.
+  /// Returns true if there is no evidence against the depths: `accepted` or `too_little`.
   [[nodiscard]] bool usable() const {
     return verdict == DecodeVerdict::accepted || verdict == DecodeVerdict::too_little;
   }

@@ -81,8 +81,8 @@ class LiveCamera {
 ///                       or the rate asked for. It keeps the last four frames for a late reader,
 ///                       and loses older ones.
 ///
-/// \throws InvalidInput if there is no such kind of camera, or it cannot be set as asked for; the
-/// message lists what it offers.
+/// \throws InvalidInput if there is no such kind of camera, or it does not offer these settings;
+/// the message lists those that it offers.
 /// \throws DeviceError if the camera cannot be opened.
 [[nodiscard]] std::unique_ptr<LiveCamera> open_camera(const std::string& name,
                                                       const CameraSettings& settings = {});

@@ -34,7 +34,7 @@ struct SpreadColors {
 /// is taken, since it needs the least interpolation. If `count` equals the number of trained
 /// colours and no two of them overlap by more than 1e-4, the trained colours are returned
 /// unchanged.
-/// \param trained names as in `evenly_spaced_colors`; they tell which hue was projected.
+/// \param trained names as in `evenly_spaced_colors`; they state which hue was projected.
 /// \throws InvalidInput unless 2 <= count <= 24, at least 3 trained colours have such names and
 /// variances >= 0, and the camera sees them in the order in which they were projected.
 [[nodiscard]] SpreadColors spread_colors(const TrainedColors& trained, int count);
