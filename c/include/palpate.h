@@ -7,8 +7,8 @@
  * Lengths are in mm, forces in N, times in s, in the right-handed frame of the model. Vectors are
  * x, y, z. Memory is the caller's: functions fill what they are given and keep nothing.
  *
- * Every function that can fail returns a status; palpate_error_text says why. Nothing is thrown,
- * and a failed call changes nothing. A null pointer where one is needed is PALPATE_INVALID.
+ * Functions that can fail return a status; palpate_error_text says why. Nothing is thrown. A failed
+ * call changes nothing but *size of palpate_model_bytes. Missing pointers are PALPATE_INVALID.
  *
  * Each struct begins with struct_size, which the caller sets to sizeof of it: later versions add
  * members at the end, and read or write only what the caller's version has. */

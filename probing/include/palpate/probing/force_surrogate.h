@@ -28,8 +28,8 @@ struct PredictedDisplacement {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [mm^2] without noise
 };
 
-/// The mean squared error of the force if each pair is predicted from the others.
-/// [N^2], as found and as expected, noise included.
+/// [N^2] Mean squared error of the force if each pair is predicted from the others, as found and as
+/// expected, noise included.
 struct LeftOutPairs {
   double found = 0, expected = 0;
   /// As found if displacements need not be the gradient of an energy, but only be as smooth. It is
