@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <ostream>
-#include <ranges>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -102,7 +102,7 @@ PolygonMesh read(const fs::path& path, std::string_view content, const std::stri
   Scene scene;
   append_node(*whole, *whole->mRootNode, aiMatrix4x4(), scene);
   if (ending == ".glb" || ending == ".gltf") {
-    for (std::vector<float>& channel : scene.colors | std::views::take(3))
+    for (std::vector<float>& channel : std::span(scene.colors).first<3>())
       for (float& value : channel) value = static_cast<float>(srgb_value(value));
   }
   take_columns<3>({"nx", "ny", "nz"}, scene.normals, scene.mesh);
