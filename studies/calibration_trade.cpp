@@ -179,7 +179,7 @@ RigView photographed(const Setup& setup, const Eigen::Isometry3d& pose, std::uin
   const ImageSize panel{rig.projector.width, rig.projector.height};
   std::vector<cv::Mat> panels = draw_gray_code(panel);
   panels.insert(panels.begin(), panels[panels.size() - 2]);  // white sets the exposure
-  const VirtualSensor sensor{.projector_blur = 0.5,
+  const VirtualSensor sensor{.projector_blur_px = 0.5,
                              .ambient = 0.05,
                              .samples_per_axis = 3,
                              .exposure_steps = 1,

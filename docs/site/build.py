@@ -11,6 +11,8 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+from nbconvert import MarkdownExporter
+
 LIBRARIES = ["core", "geometry", "sensing", "probing", "acquisition", "haptics", "c"]
 PYTHON = """# Python reference
 
@@ -60,6 +62,12 @@ def stage(repository, folder, tags):
     for entry in repository.iterdir():
         if entry.name[0] != "." and entry.name not in ("build", "demo-output"):
             (folder / entry.name).symlink_to(entry)
+    for notebook in (repository / "docs/notebooks").glob("*.ipynb"):
+        page, resources = MarkdownExporter().from_filename(notebook, {"unique_key": notebook.stem})
+        (folder / "notebooks").mkdir(exist_ok=True)
+        (folder / "notebooks" / f"{notebook.stem}.md").write_text(page)
+        for name, picture in resources["outputs"].items():
+            (folder / "notebooks" / name).write_bytes(picture)
     (folder / "reference/python.md").write_text(PYTHON)
     (folder / "reference/cpp.md").write_text(cpp_page(tags))
 

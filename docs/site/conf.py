@@ -9,7 +9,7 @@ from pygments.lexers import TextLexer
 project = "Palpate"
 html_title = "Palpate"
 root_doc = "README"
-include_patterns = ["*.md", "docs/*.md", "demo/README.md", "meshes/README.md", "reference/*.md"]
+include_patterns = ["*.md", "docs/*.md", "demo/README.md", "meshes/README.md", "notebooks/*.md", "reference/*.md"]
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 myst_heading_anchors = 4
 default_role = "code"
@@ -30,7 +30,8 @@ def navigation(folder):
     captions = {"Overview": ["docs/README"]}
     for section in (Path(folder) / "docs/README.md").read_text().split("\n## ")[1:]:
         caption = section.split("\n")[0]
-        links = [re.sub(r"^docs/\.\./", "", "docs/" + link) for link in re.findall(r"\]\(([\w./-]+)\.md[)#]", section)]
+        links = [re.sub(r"^docs/(\.\./|(?=notebooks/))", "", "docs/" + link)
+                 for link in re.findall(r"\]\(([\w./-]+)\.(?:md|ipynb)[)#]", section)]
         captions[caption] = [page for page in dict.fromkeys(links) if page not in seen]
         seen |= set(links)
     captions["Reference"] = ["reference/python", "reference/cpp"]

@@ -600,6 +600,97 @@ def decode_multishot(
     exposures: int = ...,
 ) -> MultishotResult: ...
 
+class Body(metaclass=_Class):
+    def __init__(
+        self,
+        mesh: TriangleMesh,
+        *,
+        reflectance: _Numbers = ...,
+        vertex_colors: _Numbers | None = ...,
+        end_vertices: _Numbers | None = ...,
+        specular: float = ...,
+        shininess: float = ...,
+    ) -> None: ...
+
+class RigAssessment(_Result):
+    @property
+    def visible(self) -> int: ...
+    @property
+    def outside(self) -> int: ...
+    @property
+    def dark(self) -> int: ...
+    @property
+    def lit(self) -> int: ...
+    @property
+    def coverage(self) -> float: ...
+    @property
+    def wrong_share(self) -> float: ...
+    @property
+    def reasons(self) -> dict[str, int]: ...
+    @property
+    def median(self) -> float: ...
+    @property
+    def rms(self) -> float: ...
+    @property
+    def p95(self) -> float: ...
+    @property
+    def difference(self) -> _Float32: ...
+
+class RigTrial(_Result):
+    @property
+    def frame(self) -> npt.NDArray[np.uint8] | npt.NDArray[np.uint16]: ...
+    @property
+    def training(self) -> dict[str, npt.NDArray[np.uint8] | npt.NDArray[np.uint16]]: ...
+    @property
+    def truth(self) -> RangeMap: ...
+    @property
+    def body(self) -> _Int32: ...
+    @property
+    def lit(self) -> _Bool: ...
+    @property
+    def decoded(self) -> DecodeResult | None: ...
+    @property
+    def failure(self) -> str: ...
+    def assess(self, *, counted_bodies: int | None = ...) -> RigAssessment: ...
+
+def try_rig(
+    rig: Rig,
+    pattern: Pattern,
+    bodies: Sequence[Body],
+    *,
+    readout: Literal["color", "mosaic", "demosaiced"] = ...,
+    bits: int = ...,
+    ambient: float = ...,
+    exposure_distance: float | None = ...,
+    seed: int = ...,
+    projector_gamma: float = ...,
+    projector_black: float = ...,
+    projector_blur_px: float = ...,
+    projector_falloff: float = ...,
+    camera_blur_px: float = ...,
+    samples_per_axis: int = ...,
+    exposure_steps: int = ...,
+    camera_gamma: float = ...,
+    full_well: float = ...,
+    read_noise: float = ...,
+    exposure_percentile: float = ...,
+    exposure_level: float = ...,
+    window_periods: float = ...,
+    half_resolution: bool = ...,
+    segmentation: Literal["flood", "snakes"] = ...,
+    anchors: Sequence[Sequence[float]] = ...,
+    min_signal: float = ...,
+    min_modulation: float = ...,
+    max_phase_sigma: float = ...,
+    min_hue_step: float = ...,
+    color_window_px: int = ...,
+    min_color_score: float = ...,
+    max_phase_variance: float = ...,
+    max_phase_step: float = ...,
+    min_agreement: float = ...,
+    max_sensitivity: float = ...,
+) -> RigTrial: ...
+
 class Acquisition(metaclass=_Class):
     def __init__(
         self,

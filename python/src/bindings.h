@@ -25,6 +25,8 @@ void add_geodesics(py::module_& module);
 void add_scans(py::module_& module);
 void add_tracking(py::module_& module);
 void add_sensing(py::module_& module);
+/// Simulated measurements of a rig.
+void add_rig_trial(py::module_& module);
 void add_probing(py::module_& module);
 void add_arm_placement(py::module_& module);
 void add_simulation(py::module_& module);

@@ -79,6 +79,7 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_scans(module);
   python::add_tracking(module);
   python::add_sensing(module);
+  python::add_rig_trial(module);
   python::add_probing(module);
   python::add_arm_placement(module);
   python::add_fitting(module);

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include <memory>
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "fields.h"
+#include "frames.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/decode.h"
@@ -32,43 +32,6 @@ using sensing::DecodeResult;
 using sensing::Pattern;
 using sensing::Rig;
 using sensing::TrainedColors;
-
-/// The pixels of a camera, in OpenCV's form and without a copy if they lie one after the other.
-class Frame {
- public:
-  explicit Frame(const py::object& object) {
-    pixels_ = py::array::ensure(object, py::array::c_style);
-    if (!pixels_) PyErr_Clear();
-    const bool wide = pixels_ && py::isinstance<py::array_t<std::uint16_t>>(pixels_);
-    const bool narrow = pixels_ && py::isinstance<py::array_t<std::uint8_t>>(pixels_);
-    const bool color = pixels_ && pixels_.ndim() == 3 && pixels_.shape(2) == 3;
-    if (!(wide || narrow) || !(color || pixels_.ndim() == 2)) {
-      throw InvalidInput(
-          "frame: must be uint8 or uint16, of shape (rows, columns) or (rows, "
-          "columns, 3) with blue first, as read_frame() and OpenCV give it");
-    }
-    // Only read.
-    mat_ = cv::Mat(static_cast<int>(pixels_.shape(0)), static_cast<int>(pixels_.shape(1)),
-                   CV_MAKETYPE(wide ? CV_16U : CV_8U, color ? 3 : 1),
-                   const_cast<void*>(pixels_.data()));
-  }
-  [[nodiscard]] const cv::Mat& mat() const { return mat_; }
-
- private:
-  py::array pixels_;
-  cv::Mat mat_;
-};
-
-py::array pixels_of(cv::Mat&& read) {
-  auto kept = std::make_unique<cv::Mat>(read.isContinuous() ? std::move(read) : read.clone());
-  const cv::Mat& image = *kept;
-  const py::capsule owner(kept.release(), [](void* held) { delete static_cast<cv::Mat*>(held); });
-  const auto item = static_cast<py::ssize_t>(image.elemSize1());
-  std::vector<py::ssize_t> shape{image.rows, image.cols};
-  if (image.channels() > 1) shape.push_back(image.channels());
-  const py::dtype type = item == 2 ? py::dtype::of<std::uint16_t>() : py::dtype::of<std::uint8_t>();
-  return py::array(type, std::move(shape), image.data, owner);
-}
 
 void add_files(py::module_& module) {
   py::class_<Rig>(module, "Rig", "A calibrated camera and projector, and the pose between them.")

@@ -68,7 +68,7 @@ Setup turned_rig() {
                                               .toRotationMatrix();
   setup.rig.T_projector_camera.translation() =
       setup.rig.T_projector_camera.linear() * Eigen::Vector3d(-170, 180, -10);
-  setup.sensor.camera_blur = 0.8;
+  setup.sensor.camera_blur_px = 0.8;
   return setup;
 }
 
@@ -144,7 +144,7 @@ void add_scenes(Setup setup, std::vector<Scene>& scenes) {
   add("dim waves", {{wave}}, sensor);
   sensor = setup.sensor;
   sensor.ambient = 0.8;
-  sensor.camera_blur = 1.6;
+  sensor.camera_blur_px = 1.6;
   add("blurred waves", {{wave}}, sensor);
 }
 

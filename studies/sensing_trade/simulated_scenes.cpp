@@ -332,7 +332,7 @@ std::vector<Scene> hard_scenes() {
   add("overexposed", usual_bodies, sensor);
   for (const double defocus : {1.5, 2.5}) {
     sensor = usual;
-    sensor.camera_blur = std::hypot(usual.camera_blur, defocus);
+    sensor.camera_blur_px = std::hypot(usual.camera_blur_px, defocus);
     add(fmt::format("defocus of {} px", defocus), usual_bodies, sensor);
   }
   add("motion", approaching(usual_bodies, kApproach), usual);

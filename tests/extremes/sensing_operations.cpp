@@ -34,18 +34,19 @@ Results design(const Input& input, const Change& change) {
           unknown_allowed(number("edges", found.edge_tolerance))};
 }
 
-Results simulation(const Input& input, const Change&) {
+Results simulation(const Input& input, const Change& change) {
   Body body;
   body.mesh = input.ball;
   body.mesh.vertices =
       (3 * input.ball.vertices).colwise() + Eigen::Vector3d(0, 0, 800 * input.length);
   Rig rig = input.rig;  // of fewer pixels
-  rig.camera.width /= 2;
-  rig.camera.height /= 2;
+  rig.camera.width /= 16;
+  rig.camera.height /= 16;
   for (double* pixels : {&rig.camera.fx, &rig.camera.fy, &rig.camera.cx, &rig.camera.cy})
-    *pixels /= 2;
+    *pixels /= 16;
   VirtualSensor sensor;
   sensor.exposure_steps = 1;
+  change(fields_of(sensor));
   const std::array bodies = {body};
   const std::array panels = {
       cv::Mat(rig.projector.height, rig.projector.width, CV_8UC3, cv::Scalar(200, 150, 100))};
@@ -60,7 +61,7 @@ std::vector<Operation> sensing_operations() {
   return {
       {"Decoder::decode", kOptions | kFrame, decoding, 0, 0, 3},
       {"design_pattern", kOptions | kFrame, design},
-      {"simulate", kFrame, simulation, 1e-6, 0, 3},
+      {"simulate", kOptions | kFrame, simulation, 1e-6, 0, 3},
   };
 }
 

@@ -42,9 +42,10 @@ class Elements(html.parser.HTMLParser):
 def main(repository, folder):
     subprocess.run([sys.executable, "-B", repository / "docs/site/build.py", repository, folder], check=True)
     site = folder / "html"
-    names = subprocess.run(["git", "ls-files", "*.md", "*/include/*.h"], cwd=repository, check=True, capture_output=True,
+    names = subprocess.run(["git", "ls-files", "*.md", "*.ipynb", "*/include/*.h"], cwd=repository, check=True, capture_output=True,
                            text=True).stdout.split()
     pages = [name for name in names if name.endswith(".md") and not name.startswith((*NO_PAGES, "docs/site/"))]
+    pages += [f"notebooks/{Path(name).stem}.md" for name in names if name.endswith(".ipynb")]
     first = Elements(site / "README.html")
     problems = [f"{page}: is not in the navigation" for page in pages
                 if page != "README.md" and page.removesuffix(".md") + ".html" not in first.navigation]

@@ -183,7 +183,7 @@ CampaignCamera::CampaignCamera(const std::string& description, const fs::path& s
   }
   setup.panel = read_panel(panel_of(pattern), pattern, setup.rig.projector, rig);
   if (!sensor.empty()) setup.sensor = sensing::read_virtual_sensor(sensor);
-  setup.sensor.seed = json["seed"].get<std::uint64_t>();
+  setup.sensor.seed = json["seed"].get<unsigned>();
   const acquisition::SeeingOptions seeing = seeing_of(json);
   setup.tool = {.radius = specimen->tip_radius().value_or(plan.options.tip_radius),
                 .shaft = seeing.shaft};

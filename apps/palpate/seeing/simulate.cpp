@@ -16,6 +16,7 @@
 #include "seeing/simulate_shots.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
 
@@ -31,8 +32,6 @@ const std::regex kOwnFiles(
 
 /// [mm] Range of the distances of objects.
 constexpr Interval kDistances = at_least(0.1).at_most(1e6);
-/// Largest ambient light; with more, every camera's noise hides the projector's light.
-constexpr double kBrightest = 1e6;
 
 /// Checks the options as far as possible before reading files.
 void check_options(const SimulateCall& call) {
@@ -49,7 +48,7 @@ void check_options(const SimulateCall& call) {
 std::vector<fs::path> check_places(const SimulateCall& call) {
   std::vector<fs::path> inputs = call.scene.meshes;
   inputs.insert(inputs.end(),
-                {call.rig, call.pattern, call.decoder_rig, call.sensor, call.scene.texture});
+                {call.rig, call.pattern, call.decoder_rig, call.sensor_file, call.scene.texture});
   check_output_folder(inputs, call.output);
   // The scene is looked at before its frames are rendered.
   for (const fs::path& mesh : call.scene.meshes) refuse_pipes({{"MESH", mesh}});
@@ -126,32 +125,14 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
 void add_sensor_options(CLI::App& command, SimulateCall& call) {
   const char* const group = "Sensor";
   command
-      .add_option("--sensor", call.sensor,
+      .add_option("--sensor", call.sensor_file,
                   "Light, optics and electronics (sensor.yaml); default: a colour camera with 8 "
                   "bits. To change it, edit a copy of OUT/sensor.yaml, which lists all values")
       ->group(group);
   command.add_flag("--ideal", call.ideal, "No blur, no mosaic, no noise, 16 bits")->group(group);
-  command.add_option("--readout", call.readout, "Format of the camera's images")
-      ->check(one_of({"color", "mosaic", "demosaiced"}))
-      ->group(group);
-  command.add_option("--bits", call.bits, "Bits per channel")
-      ->check(one_of({"8", "16"}))
-      ->group(group);
-  command
-      .add_option("--ambient", call.ambient,
-                  "Ambient light, as a share of the projector's white on a surface 1 m away")
-      ->check(within(at_least(0).at_most(kBrightest)))
-      ->group(group);
-  command
-      .add_option(
-          "--exposure", call.exposure_distance,
-          "Expose for a white surface at this distance [mm], 0.1 to 1e6 (default: automatic "
-          "exposure of each frame)")
-      ->check(within(kDistances))
-      ->group(group);
-  command.add_option("--seed", call.seed, "Seed of the noise: 0 to 2147483647 (default: 1)")
-      ->check(within(at_least(0)))
-      ->group(group);
+  call.sensor_options = add_fields(command, fields_of(call.sensor));
+  for (CLI::Option* option : call.sensor_options)
+    if (option->get_group() != kExpertOptions) option->group(group);
 }
 
 }  // namespace

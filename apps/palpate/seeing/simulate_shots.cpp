@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/rig_assessment.h"
 #include "shared/inputs.h"
@@ -19,15 +20,14 @@ namespace fs = std::filesystem;
 
 sensing::VirtualSensor sensor_of(const SimulateCall& call) {
   sensing::VirtualSensor sensor;
-  if (!call.sensor.empty()) sensor = sensing::read_virtual_sensor(call.sensor);
+  if (!call.sensor_file.empty()) sensor = sensing::read_virtual_sensor(call.sensor_file);
   if (call.ideal) sensor = sensing::ideal(sensor);
-  if (call.readout == "color") sensor.readout = sensing::Readout::color;
-  if (call.readout == "mosaic") sensor.readout = sensing::Readout::mosaic;
-  if (call.readout == "demosaiced") sensor.readout = sensing::Readout::demosaiced;
-  sensor.bits = call.bits.value_or(sensor.bits);
-  sensor.ambient = call.ambient.value_or(sensor.ambient);
-  if (call.exposure_distance) sensor.exposure_distance = call.exposure_distance;
-  if (call.seed) sensor.seed = static_cast<std::uint64_t>(*call.seed);
+  sensing::VirtualSensor given = call.sensor;
+  const std::vector<FieldText> values = texts_of(fields_of(given));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (call.sensor_options[i]->count() > 0)
+      assign(fields_of(sensor), values[i].name, values[i].text);
+  }
   return sensor;
 }
 
@@ -125,7 +125,7 @@ SimulateSetup read_setup(const SimulateCall& call) {
     setup.panels.push_back(read_panel(image, call.pattern, setup.rig.projector, call.rig));
   sensing::check_pattern_fits(setup.pattern, setup.decoder_rig.projector, call.pattern.string());
   setup.sensor = sensor_of(call);
-  sensing::check_virtual_sensor(setup.sensor, "the sensor");
+  sensing::check_virtual_sensor(setup.sensor);
   setup.shots = shots_of(call);
   return setup;
 }

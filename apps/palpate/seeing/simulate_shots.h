@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
@@ -21,13 +22,11 @@ namespace palpate::apps {
 /// A call of `simulate`.
 struct SimulateCall {
   SceneCall scene;
-  std::filesystem::path rig, pattern, decoder_rig, sensor, output;
+  std::filesystem::path rig, pattern, decoder_rig, sensor_file, output;
   std::vector<double> distances;
   bool ideal = false, report = false;
-  std::optional<double> ambient, exposure_distance;
-  std::optional<int> bits;
-  std::optional<int> seed;  ///< in the range of sensor.yaml
-  std::string readout;
+  sensing::VirtualSensor sensor;             ///< the fields that were given
+  std::vector<CLI::Option*> sensor_options;  ///< one per field
   std::optional<Shard> shard;
 };
 

@@ -93,10 +93,10 @@ Description describe_sensor(const fs::path& path) {
            {"bits", sensor.bits},
            {"full_well", sensor.full_well},
            {"read_noise", sensor.read_noise},
-           {"camera_blur_px", sensor.camera_blur}},
+           {"camera_blur_px", sensor.camera_blur_px}},
           fmt::format("virtual sensor, {} bit, {} electrons at full scale, read noise {}, blur of "
                       "{} px",
-                      sensor.bits, sensor.full_well, sensor.read_noise, sensor.camera_blur)};
+                      sensor.bits, sensor.full_well, sensor.read_noise, sensor.camera_blur_px)};
 }
 
 Description describe_response(const fs::path& path) {

@@ -4,6 +4,7 @@
 
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/pattern_design.h"
+#include "palpate/sensing/virtual_sensor.h"
 
 namespace palpate::sensing {
 
@@ -12,6 +13,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(pattern, visitor);
   DecodeOptions decode;
   visit(decode, visitor);
+  VirtualSensor sensor;
+  visit(sensor, visitor);
 }
 
 }  // namespace palpate::sensing

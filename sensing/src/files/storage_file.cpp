@@ -241,6 +241,11 @@ int StorageFile::whole_number(const YAML::Node& node, const std::string& key) co
   return value;
 }
 
+std::string StorageFile::scalar(const YAML::Node& node, const std::string& key) const {
+  if (!node.IsScalar()) fail(key, "one value is expected");
+  return node.Scalar();
+}
+
 std::string StorageFile::text(const YAML::Node& node, const std::string& key) const {
   double number = 0;
   if (!node.IsScalar() || decode(node, number)) fail(key, "a text is expected");

@@ -46,6 +46,8 @@ class StorageFile {
                                  const std::string& place = {}) const;
   [[nodiscard]] double number(const YAML::Node& node, const std::string& key) const;  ///< finite
   [[nodiscard]] int whole_number(const YAML::Node& node, const std::string& key) const;
+  /// The text of a number, a word or a truth value, as it stands in the file.
+  [[nodiscard]] std::string scalar(const YAML::Node& node, const std::string& key) const;
   [[nodiscard]] std::string text(const YAML::Node& node, const std::string& key) const;
   [[nodiscard]] std::vector<double> numbers(const YAML::Node& node, const std::string& key) const;
   /// A matrix of doubles or floats, finite.

@@ -49,7 +49,7 @@ cv::Mat panel_light(const cv::Mat& image, const geometry::Camera& projector,
       last = value;
     }
   }
-  return gaussian_blur(light, sensor.projector_blur, Border::black);
+  return gaussian_blur(light, sensor.projector_blur_px, Border::black);
 }
 
 float light_at(const cv::Mat& light, const Eigen::Vector2d& pixel, int channel) {

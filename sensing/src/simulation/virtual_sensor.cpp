@@ -153,7 +153,7 @@ std::vector<cv::Mat> expose(const Renderer& renderer, VirtualScene& scene, std::
 void check_input(const Rig& rig, std::span<const Body> bodies, std::span<const cv::Mat> panels,
                  const VirtualSensor& sensor) {
   check_rig(rig, "simulate: rig");
-  check_virtual_sensor(sensor, "simulate: sensor");
+  check_virtual_sensor(sensor);
   if (bodies.empty()) throw InvalidInput("simulate: there is no body to look at; pass one or more");
   if (panels.empty())
     throw InvalidInput("simulate: there is no panel to project; pass one or more");
@@ -184,7 +184,7 @@ Simulation simulate(const Rig& rig, std::span<const Body> bodies, std::span<cons
   if (scene.moves()) scene.move_to(0.5);
   Simulation simulation{.frames = {}, .truth = scene_truth(scene, rig.camera, path), .exposure = 1};
   for (std::size_t i = 0; i < images.size(); ++i) {
-    const cv::Mat light = gaussian_blur(images[i], sensor.camera_blur, Border::replicated);
+    const cv::Mat light = gaussian_blur(images[i], sensor.camera_blur_px, Border::replicated);
     if (i == 0) simulation.exposure = choose_exposure(light, simulation.truth.lit, sensor);
     simulation.frames.push_back(read_out(light, simulation.exposure, sensor, first_frame + i));
   }

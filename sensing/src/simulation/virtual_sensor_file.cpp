@@ -1,17 +1,17 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <array>
-#include <cmath>
 #include <limits>
-#include <opencv2/core.hpp>
 #include <ostream>
 #include <set>
 #include <string>
-#include <type_traits>
-#include <utility>
+#include <string_view>
 
 #include "files/storage_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/core/output_file.h"
 #include "palpate/core/require.h"
 #include "palpate/sensing/virtual_sensor.h"
@@ -19,74 +19,85 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kMaxBlur = 100;
+constexpr Interval kBlur = at_least(0).at_most(100);
+/// [mm] Range of the distances of objects.
+constexpr Interval kDistances = at_least(0.1).at_most(1e6);
+/// With more ambient light, every camera's noise hides the projector's light.
+constexpr double kBrightest = 1e6;
 constexpr double kMaxFalloff = 10;
-constexpr int kMaxSamples = 64;
+constexpr int kMaxSamples = 32;
 constexpr int kMaxExposureSteps = 1024;
+constexpr std::array<std::string_view, 3> kReadouts{"color", "mosaic", "demosaiced"};
+constexpr std::string_view kType = "VirtualSensor";
 
-constexpr std::array<std::pair<Readout, const char*>, 3> kReadouts = {
-    {{Readout::color, "color"}, {Readout::mosaic, "mosaic"}, {Readout::demosaiced, "demosaiced"}}};
-
-/// Names of the numbers in the file; `visit(name, value)` may read or change them.
-template <typename Sensor, typename Visit>
-void for_each_number(Sensor& sensor, const Visit& visit) {
-  visit("projector_gamma", sensor.projector_gamma);
-  visit("projector_black", sensor.projector_black);
-  visit("projector_blur_px", sensor.projector_blur);
-  visit("projector_falloff", sensor.projector_falloff);
-  visit("ambient", sensor.ambient);
-  visit("camera_blur_px", sensor.camera_blur);
-  visit("samples_per_axis", sensor.samples_per_axis);
-  visit("exposure_steps", sensor.exposure_steps);
-  visit("bits", sensor.bits);
-  visit("camera_gamma", sensor.camera_gamma);
-  visit("full_well", sensor.full_well);
-  visit("read_noise", sensor.read_noise);
-  visit("exposure_percentile", sensor.exposure_percentile);
-  visit("exposure_level", sensor.exposure_level);
-}
-
-void check_keys(const StorageFile& file) {
-  std::set<std::string> known = {"readout", "seed", "exposure_distance"};
-  VirtualSensor sensor;
-  for_each_number(sensor, [&](const char* name, double) { known.insert(name); });
-  file.allow_only(file.root(), known);
-}
-
-Readout read_readout(const StorageFile& file) {
-  const std::string word = file.text(file.child(file.root(), "readout"), "readout");
-  for (const auto& [readout, name] : kReadouts) {
-    if (word == name) return readout;
-  }
-  file.fail("readout", "color, mosaic or demosaiced is expected, not '" + word + "'");
-}
+/// The name of a field in a file, and in messages about it: without the struct.
+std::string name_in_file(const std::string& field) { return field.substr(kType.size() + 2); }
 
 }  // namespace
 
-void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what) {
-  const auto check = [&](const char* name, double value, const Interval& range,
-                         const char* unit = "") {
-    require(what + ": " + name, value, range, unit);
-  };
-  check("projector_gamma", sensor.projector_gamma, above(0).finite());
-  check("projector_black", sensor.projector_black, at_least(0).below(1));
-  check("projector_blur_px", sensor.projector_blur, at_least(0).at_most(kMaxBlur), "px");
-  check("projector_falloff", sensor.projector_falloff, at_least(-kMaxFalloff).at_most(kMaxFalloff));
-  check("ambient", sensor.ambient, at_least(0).finite());
-  check("camera_blur_px", sensor.camera_blur, at_least(0).at_most(kMaxBlur), "px");
-  check("samples_per_axis", sensor.samples_per_axis, at_least(1).at_most(kMaxSamples));
-  check("exposure_steps", sensor.exposure_steps, at_least(1).at_most(kMaxExposureSteps));
-  require_one_of(what + ": bits", sensor.bits, {8, 16});
-  check("camera_gamma", sensor.camera_gamma, above(0).finite());
-  check("full_well", sensor.full_well, at_least(0).finite(), "electrons");
-  check("read_noise", sensor.read_noise, at_least(0).finite(), "electrons");
-  require(what + ": exposure_distance", sensor.exposure_distance, above(0).finite(), "mm");
-  check("exposure_percentile", sensor.exposure_percentile, above(0).at_most(1));
-  check("exposure_level", sensor.exposure_level, above(0).at_most(1));
+void visit(VirtualSensor& sensor, FieldVisitor& visitor) {
+  visitor.begin(kType);
+  visitor.choice(
+      {"readout",
+       "Format of the camera's images: color, where every pixel measures all channels; mosaic, a "
+       "raw RGGB mosaic; demosaiced, the same with the missing channels interpolated"},
+      sensor.readout, kReadouts);
+  visitor.whole({"bits", "Bits per channel: 8 or 16"}, sensor.bits, at_least(8).at_most(16));
+  visitor.real(
+      {"ambient",
+       "Ambient light, as a share of the projector's white on a surface that faces it at a "
+       "distance of 1 m"},
+      sensor.ambient, at_least(0).at_most(kBrightest));
+  visitor.real({"exposure_distance",
+                "Fixed exposure: a white surface that faces the projector's white at this distance "
+                "reads exposure_level of full scale. Without it: automatic, so that "
+                "exposure_percentile of the lit pixels of the first frame read less",
+                "mm"},
+               sensor.exposure_distance, kDistances);
+  visitor.whole({"seed", "Seed of the noise"}, sensor.seed,
+                at_least(0).at_most(std::numeric_limits<int>::max()));
+  constexpr bool kExpert = true;
+  visitor.real({"projector_gamma", "Light of the projector = value ^ projector_gamma", "", kExpert},
+               sensor.projector_gamma, above(0).finite());
+  visitor.real({"projector_black", "Light of a black pixel of the projector", "of white", kExpert},
+               sensor.projector_black, at_least(0).below(1));
+  visitor.real(
+      {"projector_blur_px", "Standard deviation of the projector's blur", "projector px", kExpert},
+      sensor.projector_blur_px, kBlur);
+  visitor.real({"projector_falloff",
+                "Exponent of the cosine of the angle to the projector's axis in the emitted light: "
+                "0 shines evenly in all directions, -3 lights a plane that faces it evenly",
+                "", kExpert},
+               sensor.projector_falloff, at_least(-kMaxFalloff).at_most(kMaxFalloff));
+  visitor.real({"camera_blur_px", "Standard deviation of the camera's blur", "px", kExpert},
+               sensor.camera_blur_px, kBlur);
+  visitor.whole({"samples_per_axis", "Rays per pixel along each axis", "", kExpert},
+                sensor.samples_per_axis, at_least(1).at_most(kMaxSamples));
+  visitor.whole(
+      {"exposure_steps", "Moments of an exposure at which a moving body is seen", "", kExpert},
+      sensor.exposure_steps, at_least(1).at_most(kMaxExposureSteps));
+  visitor.real({"camera_gamma", "Value of a pixel = light ^ (1 / camera_gamma)", "", kExpert},
+               sensor.camera_gamma, above(0).finite());
+  visitor.real(
+      {"full_well", "Electrons at full scale; 0 turns all noise off", "electrons", kExpert},
+      sensor.full_well, at_least(0).finite());
+  visitor.real({"read_noise", "Standard deviation of the read noise", "electrons", kExpert},
+               sensor.read_noise, at_least(0).finite());
+  visitor.real({"exposure_percentile",
+                "Automatic exposure: share of the lit pixels that read less than exposure_level",
+                "", kExpert},
+               sensor.exposure_percentile, above(0).at_most(1));
+  visitor.real({"exposure_level", "What the exposure is set for", "of full scale", kExpert},
+               sensor.exposure_level, above(0).at_most(1));
+}
+
+void check_virtual_sensor(const VirtualSensor& sensor) {
+  static_cast<void>(in_range(sensor));
+  require_one_of("VirtualSensor::bits", sensor.bits, {8, 16});
 }
 
 VirtualSensor ideal(VirtualSensor sensor) {
-  sensor.projector_blur = sensor.camera_blur = 0;
+  sensor.projector_blur_px = sensor.camera_blur_px = 0;
   sensor.readout = Readout::color;
   sensor.bits = 16;
   sensor.full_well = 0;
@@ -95,49 +106,33 @@ VirtualSensor ideal(VirtualSensor sensor) {
 
 VirtualSensor read_virtual_sensor(const std::filesystem::path& path) {
   const StorageFile file(path);
-  const YAML::Node& root = file.root();
-  check_keys(file);
   VirtualSensor sensor;
-  for_each_number(sensor, [&](const char* name, auto& value) {
-    const YAML::Node node = file.find(root, name);
-    if (!node) return;
-    if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, int>) {
-      value = file.whole_number(node, name);
-    } else {
-      value = file.number(node, name);
-    }
-  });
-  if (const YAML::Node node = file.find(root, "exposure_distance"))
-    sensor.exposure_distance = file.number(node, "exposure_distance");
-  if (file.find(root, "readout")) sensor.readout = read_readout(file);
-  if (const YAML::Node node = file.find(root, "seed")) {
-    const int seed = file.whole_number(node, "seed");
-    if (seed < 0) file.fail("seed", "must be >= 0");
-    sensor.seed = static_cast<std::uint64_t>(seed);
-  }
+  const FieldList fields = fields_of(sensor);
+  std::set<std::string> names;
+  for (const FieldText& field : texts_of(fields)) names.insert(field.name);
+  file.allow_only(file.root(), names);
   try {
-    check_virtual_sensor(sensor, path.string());
+    for (const std::string& name : names) {
+      if (const YAML::Node node = file.find(file.root(), name))
+        assign(fields, name, file.scalar(node, name));
+    }
+    check_virtual_sensor(sensor);
+  } catch (const FileError&) {
+    throw;
   } catch (const InvalidInput& error) {
-    throw FileError(error.what());
+    throw FileError(path.string() + ": " + error.with_names(name_in_file));
   }
   return sensor;
 }
 
 void write_virtual_sensor(const std::filesystem::path& path, const VirtualSensor& sensor) {
-  check_virtual_sensor(sensor, "write_virtual_sensor(" + path.string() + ")");
-  if (sensor.seed > static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
-    throw InvalidInput("write_virtual_sensor(" + path.string() +
-                       "): seed: the file holds whole numbers up to 2147483647");
-  }
-  cv::FileStorage storage(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
-  for_each_number(sensor, [&](const char* name, auto value) { storage << name << value; });
-  for (const auto& [readout, name] : kReadouts) {
-    if (sensor.readout == readout) storage << "readout" << name;
-  }
-  if (sensor.exposure_distance) storage << "exposure_distance" << *sensor.exposure_distance;
-  storage << "seed" << static_cast<int>(sensor.seed);
-  const std::string text = storage.releaseAndGetString();
-  write_file(path, [&](std::ostream& out) { out << text; });
+  check_virtual_sensor(sensor);
+  VirtualSensor written = sensor;
+  write_file(path, [&](std::ostream& out) {
+    out << "%YAML:1.0\n---\n";
+    for (const FieldText& field : texts_of(fields_of(written)))
+      if (!field.text.empty()) out << field.name << ": " << field.text << '\n';
+  });
 }
 
 }  // namespace palpate::sensing

@@ -20,7 +20,7 @@ constexpr double kLensBlur = 1.4;  // px, standard deviation
 const Eigen::Vector2d kLightRise(0.004, -0.003);
 
 /// Standard deviation of the blur of lens and pixels, of which each has an area [px].
-double camera_blur() { return std::sqrt(kLensBlur * kLensBlur + 1.0 / 12); }
+double camera_blur_px() { return std::sqrt(kLensBlur * kLensBlur + 1.0 / 12); }
 
 /// The panel's point that a point of the image sees, in pixels of both.
 Eigen::Vector2d lamp_at(const Eigen::Vector2d& pixel) {
@@ -64,11 +64,11 @@ TEST(LitGrid, LightThatFallsOffDoesNotMoveThePoints) {
   const std::vector<cv::Mat> images = photographs();
   const cv::Mat_<cv::Vec2f> places = decode_gray_code(images, kShown);
   const cv::Mat_<uchar> on_board(places.size(), 255);
-  const auto grid = find_lit_grid(images, places, on_board, camera_blur(), kShown);
+  const auto grid = find_lit_grid(images, places, on_board, camera_blur_px(), kShown);
   ASSERT_TRUE(grid);
   EXPECT_GT(grid->camera.cols(), 150) << "of 18 x 12 cells";
   // In the image, the blurred borders are moved by the blur's variance times the gradient.
-  const Eigen::Vector2d moved = lamp_at(camera_blur() * camera_blur() * kLightRise) -
+  const Eigen::Vector2d moved = lamp_at(camera_blur_px() * camera_blur_px() * kLightRise) -
                                 lamp_at(Eigen::Vector2d::Zero());  // px of the panel
   EXPECT_LT(mean_miss(*grid).norm(), 0.1 * moved.norm());
   const auto uncorrected = find_lit_grid(images, places, on_board, 0, kShown);
@@ -80,7 +80,7 @@ TEST(LitGrid, TellsWhereThereIsNoLight) {
   const std::vector<cv::Mat> images = photographs();
   const cv::Mat_<cv::Vec2f> places = decode_gray_code(images, kShown);
   EXPECT_FALSE(find_lit_grid(images, places, cv::Mat_<uchar>(places.size(), uchar{0}),
-                             camera_blur(), kShown));
+                             camera_blur_px(), kShown));
 }
 
 }  // namespace

@@ -15,10 +15,10 @@ TEST(VirtualSensorFile, KeepsEveryValue) {
   const ScratchFolder folder;
   VirtualSensor sensor{.projector_gamma = 2.1,
                        .projector_black = 0.01,
-                       .projector_blur = 0.3,
+                       .projector_blur_px = 0.3,
                        .projector_falloff = -1.1,
                        .ambient = 0.07,
-                       .camera_blur = 0.9,
+                       .camera_blur_px = 0.9,
                        .samples_per_axis = 3,
                        .exposure_steps = 5,
                        .readout = Readout::mosaic,
@@ -34,10 +34,10 @@ TEST(VirtualSensorFile, KeepsEveryValue) {
   const VirtualSensor read = read_virtual_sensor(folder / "sensor.yaml");
   EXPECT_EQ(read.projector_gamma, sensor.projector_gamma);
   EXPECT_EQ(read.projector_black, sensor.projector_black);
-  EXPECT_EQ(read.projector_blur, sensor.projector_blur);
+  EXPECT_EQ(read.projector_blur_px, sensor.projector_blur_px);
   EXPECT_EQ(read.projector_falloff, sensor.projector_falloff);
   EXPECT_EQ(read.ambient, sensor.ambient);
-  EXPECT_EQ(read.camera_blur, sensor.camera_blur);
+  EXPECT_EQ(read.camera_blur_px, sensor.camera_blur_px);
   EXPECT_EQ(read.samples_per_axis, sensor.samples_per_axis);
   EXPECT_EQ(read.exposure_steps, sensor.exposure_steps);
   EXPECT_EQ(read.readout, sensor.readout);
@@ -78,11 +78,13 @@ TEST(VirtualSensorFile, RefusesMisspeltAndImpossibleValues) {
     return message_of<FileError>([&] { (void)read_virtual_sensor(path); });
   };
   EXPECT_NE(refusal("readnoise: 5").find("readnoise: is not known"), std::string::npos);
-  EXPECT_NE(refusal("readout: rgb").find("demosaiced is expected"), std::string::npos);
+  EXPECT_NE(refusal("readout: rgb").find("must be color or mosaic or demosaiced"),
+            std::string::npos);
   EXPECT_NE(refusal("bits: 12").find("bits is 12; it must be 8 or 16"), std::string::npos);
   EXPECT_NE(refusal("bits: 8.5").find("whole number"), std::string::npos);
   EXPECT_NE(refusal("seed: -1").find("seed"), std::string::npos);
-  EXPECT_NE(refusal("exposure_distance: 0").find("exposure_distance is 0 mm; it must be > 0"),
+  EXPECT_NE(refusal("exposure_distance: 0")
+                .find("exposure_distance is \"0\"; it must be a number in [0.1, 1000000]"),
             std::string::npos);
   EXPECT_NE(refusal("ambient: .nan").find("ambient"), std::string::npos);
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/range_map_score.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/sensing/pattern.h"
@@ -47,45 +48,48 @@ enum class Readout {
 };
 
 /// Light, optics and electronics of a camera and a projector; their geometry is the `Rig`. The
-/// defaults describe a common 8-bit colour camera.
+/// defaults describe a common 8-bit colour camera. The unit and range of each field stand in its
+/// list, `visit(VirtualSensor&, FieldVisitor&)`.
 struct VirtualSensor {
-  double projector_gamma = 1;  ///< light = value ^ projector_gamma; > 0
-  double projector_black = 0;  ///< light of a black pixel as a share of white; in [0, 1)
-  double projector_blur = 0;   ///< projector px, standard deviation of the blur; in [0, 100]
+  double projector_gamma = 1;    ///< light = value ^ projector_gamma
+  double projector_black = 0;    ///< light of a black pixel as a share of white
+  double projector_blur_px = 0;  ///< projector px, standard deviation of the blur
   /// Exponent of cos(angle to the projector's axis) in the emitted light: 0 is a point source that
-  /// shines evenly in all directions; -3 lights a plane that faces it evenly; in [-10, 10].
+  /// shines evenly in all directions; -3 lights a plane that faces it evenly.
   double projector_falloff = -2;
   /// Ambient light, as a share of the projector's white on a surface that faces it at a distance
-  /// of 1 m; >= 0.
+  /// of 1 m.
   double ambient = 0;
 
-  double camera_blur = 1;    ///< camera px, standard deviation of the blur; in [0, 100]
-  int samples_per_axis = 1;  ///< rays per pixel along each axis, on a regular grid; in [1, 64]
-  int exposure_steps = 8;    ///< time samples of motion per exposure; in [1, 1024]; 1 if at rest
+  double camera_blur_px = 1;  ///< camera px, standard deviation of the blur
+  int samples_per_axis = 1;   ///< rays per pixel along each axis, on a regular grid
+  int exposure_steps = 8;     ///< time samples of motion per exposure, of a body that moves
 
   Readout readout = Readout::demosaiced;
   int bits = 8;              ///< per channel: 8 or 16
-  double camera_gamma = 1;   ///< value = light ^ (1 / camera_gamma); > 0
-  double full_well = 12000;  ///< electrons at full scale, >= 0; 0 turns all noise off
-  double read_noise = 20;    ///< electrons, standard deviation; >= 0
-  std::uint64_t seed = 1;    ///< seed of the noise
+  double camera_gamma = 1;   ///< value = light ^ (1 / camera_gamma)
+  double full_well = 12000;  ///< electrons at full scale; 0 turns all noise off
+  double read_noise = 20;    ///< electrons, standard deviation
+  unsigned seed = 1;         ///< seed of the noise
 
   /// Fixed exposure: a white surface facing the projector's white at this distance [mm] reads
-  /// exposure_level of full scale; > 0. If not given, the exposure is automatic: it puts
+  /// exposure_level of full scale. If not given, the exposure is automatic: it puts
   /// exposure_percentile of the lit pixels of the first frame below exposure_level.
   std::optional<double> exposure_distance{};
-  double exposure_percentile = 0.97;  ///< in (0, 1]
-  double exposure_level = 0.8;        ///< in (0, 1]
+  double exposure_percentile = 0.97;
+  double exposure_level = 0.8;
 };
 
+void visit(VirtualSensor& sensor, FieldVisitor& visitor);
+
 /// Checks that every value is in its range.
-/// \throws InvalidInput otherwise; the message begins with `what`.
-void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what);
+/// \throws InvalidInput otherwise.
+void check_virtual_sensor(const VirtualSensor& sensor);
 
 /// Returns the sensor without imperfections: no blur, no mosaic, no noise, 16 bits.
 [[nodiscard]] VirtualSensor ideal(VirtualSensor sensor);
 
-/// Reads a sensor from OpenCV FileStorage. The keys are the member names of `VirtualSensor`, with
+/// Reads a sensor from a YAML file. The keys are the member names of `VirtualSensor`, with
 /// `readout` as a word; a missing key keeps its default.
 /// \throws FileError naming the file and the key.
 [[nodiscard]] VirtualSensor read_virtual_sensor(const std::filesystem::path& path);
