@@ -124,6 +124,25 @@ def playback_energy():
     return figure
 
 
+def playback_radius():
+    rows = read("trade-playback-radius")
+    figure = new_figure(320)
+    axis = add_axes(figure, 46, 36, 330, 258, "force / force on the probe's ball of 5 mm")
+    found = {}
+    for k, thing in enumerate(names(rows, "object")):
+        for depth, style in zip(names([row for row in rows if row["object"] == thing], "depth_mm"), ("-", "--")):
+            points = [(row["radius_mm"], row["force_over_that_of_5_mm"]) for row in rows
+                      if (row["object"], row["depth_mm"]) == (thing, depth)]
+            name = f"{thing.removeprefix('finite elements: ')}, {depth:g} mm deep"
+            found[name] = sorted([*points, (5.0, 1.0)]), {"color": COLORS[k], "marker": MARKERS[k], "linestyle": style}
+    radii = sorted({5.0, *names(rows, "radius_mm")})
+    found["square root of the radius (Hertz)"] = [(radius, (radius / 5) ** 0.5) for radius in radii], {"color": "#777777", "marker": ""}
+    curves(axis, found, ("log", "log"))
+    axis.set_xticks(radii)
+    axis.set_xlabel("radius of the ball [mm]")
+    return figure
+
+
 def model_sharing():
     rows = read("trade-model-sharing")
     figure = new_figure(420)
@@ -214,6 +233,14 @@ def probing():
     return figure
 
 
+def probing_forces():
+    rows = [row for row in read("probing-validation-forces") if not row["compensation"].startswith("with")]
+    for row in rows:
+        row["place"] = f"{row['object']}, seed {row['seed']:g}"
+    return dots(rows, "place", "compensation", ["gravity only", "all compensations"],
+                [(f"deviation, {name} [N]", "log", f"deviation_{axis}_N") for axis, name in zip("xyz", ("x", "normal", "z"))])
+
+
 def plan_forecast():
     rows = read("plan-forecast")
     for row in rows:
@@ -262,6 +289,7 @@ PLOTS = {
     "trade-playback-rule": playback_rule,
     "trade-playback-jumps": playback_jumps,
     "trade-playback-energy": playback_energy,
+    "trade-playback-radius": playback_radius,
     "trade-model-fields": lambda: dots(read("trade-model-fields"), "fit", "object", ["sheet", "sheet with block"], [
         ("error, truth [N]", "log", "truth_median_N"), ("bytes", "log", "bytes"), ("fit [ms]", "log", "fit_ms"),
         ("force [us]", "log", "force_us")]),
@@ -277,6 +305,11 @@ PLOTS = {
     "trade-geometry-decimation": decimation,
     "trade-probing": probing,
     "plan-forecast": plan_forecast,
+    "probing-validation-forces": probing_forces,
+    "non-rigid-tracking": lambda: dots(
+        read("non-rigid-tracking"), "sequence", "surface", ["smooth", "with relief", "smooth, with images"], [
+            ("median error [mm]", "log", "median_error_mm"), ("error, 95 % [mm]", "log", "error_95_percent_mm"),
+            ("error / stated", "log", "error_over_stated_along")]),
 }
 
 

@@ -158,10 +158,10 @@ def label_ends(axis, ends, gap=9.5):
 def curves(axis, found, scales, labels=True):
     """Curves, name -> (points, style), with their names at their ends."""
     for k, (name, (points, style)) in enumerate(found.items()):
-        plain = {"color": COLORS[k], "marker": MARKERS[k], "markersize": 3.5, "linewidth": 1.3, "clip_on": False}
+        plain = {"color": COLORS[k % 6], "marker": MARKERS[k % 6], "markersize": 3.5, "linewidth": 1.3, "clip_on": False}
         axis.plot(*zip(*points), **plain | style)
     for direction, kind in zip("xy", scales):
         set_scale(axis, direction, kind)
     if labels:
-        label_ends(axis, [(*points[-1], name, style.get("color", COLORS[k]))
+        label_ends(axis, [(*points[-1], name, style.get("color", COLORS[k % 6]))
                           for k, (name, (points, style)) in enumerate(found.items())])
