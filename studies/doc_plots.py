@@ -313,18 +313,23 @@ PLOTS = {
 }
 
 
-def draw(name):
-    """The text of an SVG file."""
-    with matplotlib.rc_context(STYLE):
-        out = io.StringIO()
-        FigureCanvasSVG(PLOTS[name]()).print_svg(out, metadata={"Date": None, "Creator": None})
-    # Beside the font that the places are computed for, those that a reader may have.
-    return out.getvalue().replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
+def draw_all():
+    """The texts of the SVG files, by name."""
+    texts = {}
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()  # not what the user's files say
+        matplotlib.rcParams.update(STYLE)
+        for name, plot in PLOTS.items():
+            out = io.StringIO()
+            FigureCanvasSVG(plot()).print_svg(out, metadata={"Date": None, "Creator": None})
+            # Beside the font that the places are computed for, those that a reader may have.
+            texts[name] = out.getvalue().replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
+    return texts
 
 
 def main(folder):
-    for name in PLOTS:
-        (folder / f"{name}.svg").write_text(draw(name))
+    for name, text in draw_all().items():
+        (folder / f"{name}.svg").write_text(text)
 
 
 if __name__ == "__main__":
