@@ -21,6 +21,7 @@
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/register_scans.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/pictures/draw_differences.h"
 #include "palpate/pictures/draw_distances.h"
@@ -138,15 +139,6 @@ nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
           {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
 }
 
-/// This many points determine a pose far better than needed; more only take longer.
-constexpr Eigen::Index kAlignPoints = 20000;
-
-/// Selects at most kAlignPoints of them, evenly.
-Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
-  const Eigen::Index step = (points.cols() + kAlignPoints - 1) / kAlignPoints;
-  return points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
-}
-
 /// Moves the smaller surface onto the larger, because a reference of the object alone lies on what
 /// a sensor saw of it and its surroundings, but not vice versa.
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
@@ -155,8 +147,9 @@ geometry::Registration register_smaller(const CompareCall& call, const geometry:
   geometry::RegistrationOptions options = call.registration;
   options.progress = [&](int done, int total) { progress.show(done, total); };
   if (geometry::surface_area(a) <= geometry::surface_area(b))
-    return geometry::register_points(thinned(a.vertices), b, options);
-  geometry::Registration found = geometry::register_points(thinned(b.vertices), a, options);
+    return geometry::register_points(geometry::registration_points(a), b, options);
+  geometry::Registration found =
+      geometry::register_points(geometry::registration_points(b), a, options);
   found.T_target_source = found.T_target_source.inverse();
   return found;
 }

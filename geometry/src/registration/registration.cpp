@@ -256,10 +256,13 @@ std::optional<SearchRange> range_beyond(const SearchRange& searched, const Eigen
   const double radius = std::sqrt((points.colwise() - centroid).colwise().squaredNorm().mean());
   const double turn = Eigen::AngleAxisd(motion.linear()).angle() - searched.rotation;
   const double shift = (motion * centroid - centroid).norm() - searched.translation;
-  // A start that is farther off than stated may be rotated farther or shifted farther.
+  // A start that is farther off than stated may be rotated farther or shifted farther, also to a
+  // pose near it that fits by chance: at least the rotations of the default are searched.
   const double beyond = std::max(turn * radius, shift);
   if (!(beyond > kTrialLength * radius)) return std::nullopt;
-  return SearchRange{.rotation = std::min(std::numbers::pi, searched.rotation + beyond / radius),
+  const double rotation =
+      std::max(searched.rotation + beyond / radius, RegistrationOptions{}.search_rotation);
+  return SearchRange{.rotation = std::min(std::numbers::pi, rotation),
                      .translation = searched.translation + beyond,
                      .quantile = searched.quantile};
 }

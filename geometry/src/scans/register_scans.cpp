@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/register_scans.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "scans/registered_scans.h"
@@ -10,14 +9,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// This many points determine a pose far better than needed; more only take longer.
-constexpr Eigen::Index kMaxPoints = 20000;
-
-Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
-  const Eigen::Index step =
-      std::max<Eigen::Index>(1, (points.cols() + kMaxPoints - 1) / kMaxPoints);
-  return points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
-}
+constexpr std::size_t kMaxPoints = 20000;
 
 /// Adds a mesh beside another; triangles are not joined.
 void append(TriangleMesh& mesh, const TriangleMesh& other) {
@@ -31,6 +23,18 @@ void append(TriangleMesh& mesh, const TriangleMesh& other) {
 
 }  // namespace
 
+Eigen::Matrix3Xd registration_points(const TriangleMesh& mesh) {
+  std::vector<bool> is_used(static_cast<std::size_t>(mesh.vertices.cols()));
+  for (const int v : mesh.triangles.reshaped()) is_used[static_cast<std::size_t>(v)] = true;
+  std::vector<int> used;
+  for (std::size_t v = 0; v < is_used.size(); ++v)
+    if (is_used[v]) used.push_back(static_cast<int>(v));
+  const std::size_t step = (used.size() + kMaxPoints - 1) / kMaxPoints;
+  std::vector<int> chosen;
+  for (std::size_t i = 0; i < used.size(); i += step) chosen.push_back(used[i]);
+  return mesh.vertices(Eigen::all, chosen);
+}
+
 std::vector<Registration> register_scans(std::span<const Scan> scans,
                                          const RegistrationOptions& options) {
   TriangleMesh before = in_frame_of_object(scans, "register_scans").front();
@@ -42,7 +46,7 @@ std::vector<Registration> register_scans(std::span<const Scan> scans,
       const auto before_it = static_cast<int>(i) - 1, all = static_cast<int>(scans.size()) - 1;
       if (options.progress) options.progress(before_it * total + done, all * total);
     };
-    moves.push_back(register_points(thinned(scans[i].mesh.vertices), before, from_pose));
+    moves.push_back(register_points(registration_points(scans[i].mesh), before, from_pose));
     if (moves.back().verdict != RegistrationVerdict::accepted) break;
     append(before, {.vertices = moves.back().T_target_source * scans[i].mesh.vertices,
                     .triangles = scans[i].mesh.triangles});

@@ -16,6 +16,7 @@
 #include "model/document_file.h"
 #include "model/document_node.h"
 #include "palpate/core/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/trajectory_file.h"
 #include "scene/scene_members.h"
@@ -251,8 +252,7 @@ std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
     return std::ranges::all_of(t, [&](int v) { return result[static_cast<std::size_t>(v)]; });
   });
   if (!has_triangle) {
-    const Eigen::AlignedBox3d box(surface.vertices.rowwise().minCoeff(),
-                                  surface.vertices.rowwise().maxCoeff());
+    const Eigen::AlignedBox3d box = geometry::bounding_box(surface);
     throw InvalidInput(fmt::format(
         "the region contains no whole triangle of the model; its surface extends from ({:.4g}, "
         "{:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) mm",

@@ -16,6 +16,7 @@
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/register_scans.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/self_intersections.h"
@@ -115,6 +116,13 @@ std::vector<Answer> answers() {
          return (Eigen::VectorXd(18) << found.T_target_source.matrix().reshaped(), found.rms,
                  static_cast<double>(found.verdict))
              .finished();
+       }},
+      {"register_scans",
+       [](const auto& m) -> Eigen::VectorXd {
+         const std::vector<Scan> scans = {
+             {.mesh = m},
+             {.mesh = test::with_vertex(other_glove(), m.vertices.col(m.vertices.cols() - 1))}};
+         return register_scans(scans).front().T_target_source.matrix().reshaped();
        }},
       {"merge_scans",
        [](const auto& m) {

@@ -281,6 +281,28 @@ TEST(RegistrationVerdict, KnowsWhatWasNotSearchedIfThePointsStartFartherOffThanT
   EXPECT_GT(wrong, 0);
 }
 
+// A start that is rotated by about one tooth moves little to the wrong tooth.
+TEST(RegistrationVerdict, DoubtsAWrongPoseNearAStartThatWasFartherOffThanTold) {
+  const TriangleMesh torus = nearly_symmetric_torus();
+  const RegistrationTarget target(torus);
+  int wrong = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const Matrix3Xd truth = points_on(torus, 500, seed);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const Vector3d axis(normal(random) / 3, normal(random) / 3, 1);
+    const Vector3d way(normal(random), normal(random), normal(random));
+    const Isometry3d off = Eigen::Translation3d(9 * way.normalized()) *
+                           Eigen::AngleAxisd(30 * kDegree, axis.normalized());
+    const Registration found =
+        register_points(off * truth, target, {.search_rotation = 0, .search_translation = 0});
+    const bool is_right = (found.T_target_source * off * truth - truth).colwise().norm().mean() < 1;
+    EXPECT_TRUE(is_right || found.verdict != accepted) << seed << ": " << found.reason;
+    wrong += is_right ? 0 : 1;
+  }
+  EXPECT_GT(wrong, 0);
+}
+
 /// The covariance predicts the scatter of the poses of many noisy scans.
 TEST(RegistrationVerdict, ForetellsTheScatterOfThePose) {
   const TriangleMesh surface = bumpy_surface();

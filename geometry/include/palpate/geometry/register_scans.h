@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <span>
 #include <vector>
 
@@ -10,9 +11,15 @@
 
 namespace palpate::geometry {
 
-/// Registers scans of one object with each other. The first scan stays at its pose. The vertices of
-/// each further scan are registered, starting from its pose, to the surface of all scans before it.
-/// At most 20000 evenly chosen vertices of a scan are used.
+/// Points of a mesh to be registered to another: its vertices, without those that no triangle uses;
+/// of more than 20000, that many, evenly chosen. They determine a pose far better than needed.
+/// \return 3 x N [mm]
+/// \pre the mesh is valid.
+[[nodiscard]] Eigen::Matrix3Xd registration_points(const TriangleMesh& mesh);
+
+/// Registers scans of one object with each other. The first scan stays at its pose. The points of
+/// each further scan (`registration_points`) are registered, starting from its pose, to the surface
+/// of all scans before it.
 ///
 /// The order must be such that each scan overlaps those before it; `options.min_overlap` is the
 /// share of its vertices that those also see.
