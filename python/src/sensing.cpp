@@ -232,8 +232,13 @@ Threads may decode with the same decoder at the same time.)");
                   const py::kwargs& keywords) {
         sensing::DecodeOptions options;
         set_fields(fields_of(options), keywords);
-        const Unlocked unlocked;
-        return Decoder(rig, pattern, colors, options);
+        Decoder decoder = [&] {
+          const Unlocked unlocked;
+          return Decoder(rig, pattern, colors, options);
+        }();
+        if (!options.anchors.empty())
+          tell_doubts("Decoder(): pattern", sensing::sinusoid_doubts(rig, pattern));
+        return decoder;
       }),
       arg("rig"), arg("pattern"), arg("colors"));
   added

@@ -232,6 +232,23 @@ TEST_F(BadInput, AnAnchorThatIsOnNoSurface) {
   }
 }
 
+TEST_F(BadInput, ASinusoidAcrossTheBaselineShowsNoSteps) {
+  const std::string pattern = written(
+      "sine.yaml",
+      "%YAML:1.0\n---\naxis: y\nperiod_px: 10.0\nphase: 0.0\nmean: 0.575\namplitude: 0.425\n");
+  const auto errors = [&](const std::string& t) {
+    const std::string rig = changed("rig.yaml", "150.0, 165.0, -20.0", t);
+    const CommandResult result =
+        run_palpate({"decode", demo("frames/plane.png"), "--rig", rig, "--pattern", pattern,
+                     "--anchor", "320,240,690.75", "-o", scratch / "range"});
+    EXPECT_EQ(result.status, kDone) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(errors("150.0, 165.0, -20.0").find("baseline"), std::string::npos);
+  EXPECT_NE(errors("190.0, 60.0, 0.0").find("sine.yaml: axis: only 30 % of the baseline"),
+            std::string::npos);
+}
+
 TEST_F(BadInput, AColourThatWasNeverSeenInTraining) {
   train();
   const std::string pattern = changed("pattern.yaml", "name: M", "name: Pink");

@@ -17,6 +17,7 @@
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
+#include "palpate/sensing/rig_doubts.h"
 #include "palpate/sensing/trained_colors.h"
 #include "seeing/decode_frames.h"
 #include "seeing/decode_input.h"
@@ -175,6 +176,8 @@ void decode(const Settings& settings, const CLI::App& command, DecodeCall call) 
     throw InvalidInput("--multishot: is missing; " + call.pattern.string() +
                        " is for several images of a still scene");
   }
+  if (!call.options.anchors.empty())
+    tell_doubts(call.pattern.string(), sensing::sinusoid_doubts(rig, pattern));
   call.outputs.noise = call.outputs.sigma && rig.covariance.has_value();
   const sensing::Decoder decoder = make_decoder(call, rig, pattern);
   call.shown = pattern;

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
 
 #include "repository.h"
 
@@ -104,6 +107,55 @@ TEST(RigDoubts, DepthsTellTheScaleOfADepthImage) {
   EXPECT_TRUE(depth_doubts(7e14).at(0).impossible);
   EXPECT_FALSE(depth_doubts(1.7).at(0).impossible);
   EXPECT_FALSE(depth_doubts(2e6).at(0).impossible);
+}
+
+/// What is said of a sinusoid along the rows of the projector, with a baseline at an angle to it.
+std::string doubt_at_angle(double degrees, const Eigen::Matrix3d& rotation, double forward = 0) {
+  Rig rig = bundled_rig();
+  const double angle = degrees * std::numbers::pi / 180;
+  rig.T_projector_camera.linear() = rotation;
+  rig.T_projector_camera.translation() =
+      rotation * Eigen::Vector3d(200 * std::sin(angle), 200 * std::cos(angle), forward);
+  const std::vector<Doubt> doubts = sinusoid_doubts(rig, {.axis = Axis::y, .period = 10});
+  EXPECT_LE(doubts.size(), 1U);
+  if (doubts.empty()) return {};
+  EXPECT_EQ(doubts[0].subject, "axis");
+  EXPECT_FALSE(doubts[0].impossible);
+  return doubts[0].message;
+}
+
+TEST(RigDoubts, ASinusoidAcrossTheBaselineIsToldWithTheOtherAxis) {
+  const Eigen::Matrix3d parallel = Eigen::Matrix3d::Identity();
+  for (const double degrees : {0.0, 45.0, -50.0, 58.0, 125.0, 180.0})  // along to oblique
+    EXPECT_EQ(doubt_at_angle(degrees, parallel), "") << degrees;
+  EXPECT_THAT(doubt_at_angle(62, parallel), HasSubstr("only 47 %"));  // its cosine
+  EXPECT_THAT(doubt_at_angle(-70, parallel), HasSubstr("only 34 %"));
+  const std::string across = doubt_at_angle(90, parallel);
+  EXPECT_THAT(across, HasSubstr("only 0 %"));
+  EXPECT_THAT(across, HasSubstr("--axis x (100 %)"));
+  Rig rig = bundled_rig();
+  rig.T_projector_camera.translation() = Eigen::Vector3d(60, 190, 0);  // 30 %
+  EXPECT_THAT(sinusoid_doubts(rig, {.axis = Axis::x, .period = 10}).at(0).message,
+              HasSubstr("only 30 % of the baseline"));
+  EXPECT_THAT(sinusoid_doubts(rig, {.axis = Axis::x, .period = 10}).at(0).message,
+              HasSubstr("--axis y (95 %)"));
+}
+
+// The panel, not the camera, has the sinusoid: with a projector that is rolled by a quarter turn,
+// another axis of it lies along the baseline.
+TEST(RigDoubts, TheBaselineIsSeenFromTheProjector) {
+  const Eigen::Matrix3d rolled =
+      Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  EXPECT_THAT(doubt_at_angle(0, rolled), HasSubstr("only 0 %"));
+  EXPECT_EQ(doubt_at_angle(90, rolled), "");
+  const Eigen::Matrix3d verging =
+      Eigen::AngleAxisd(-0.5, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_EQ(doubt_at_angle(0, verging, -40), "");
+  EXPECT_THAT(doubt_at_angle(90, verging), HasSubstr("--axis x"));
+  // Straight before the camera: all directions alike, as the rays spread.
+  Rig rig = bundled_rig();
+  rig.T_projector_camera.translation() = Eigen::Vector3d(0, 0, 100);
+  EXPECT_THAT(sinusoid_doubts(rig, {.axis = Axis::x, .period = 10}), IsEmpty());
 }
 
 TEST(RigDoubts, ARangeMapIsJudgedByItsKnownDepths) {

@@ -8,6 +8,7 @@
 
 #include "palpate/geometry/camera.h"
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 
 namespace palpate::sensing {
@@ -15,7 +16,7 @@ namespace palpate::sensing {
 /// A figure that is valid, but unlikely, or impossible with real lenses: mostly one in another
 /// unit, or of another image.
 struct Doubt {
-  std::string subject;      ///< "camera", "projector", "t" or "depths"
+  std::string subject;      ///< "camera", "projector", "t", "axis" or "depths"
   std::string message;      ///< in a sentence, with figures and the likely cause
   bool impossible = false;  ///< nothing useful can come of it
 };
@@ -32,6 +33,12 @@ struct Doubt {
 /// anywhere.
 /// \pre the rig is valid.
 [[nodiscard]] std::vector<Doubt> rig_doubts(const Rig& rig);
+
+/// Judges whether a sinusoid without stripes shows steps of depth, which is unlikely if less than
+/// half of the baseline lies along it: with `DecodeOptions::anchors`, depths beyond a step may then
+/// be wrong by whole periods. A single smooth surface is measured.
+/// \pre rig and pattern are valid.
+[[nodiscard]] std::vector<Doubt> sinusoid_doubts(const Rig& rig, const Pattern& pattern);
 
 /// Judges a typical depth [mm] of a scene, which is unlikely below 10 mm and above 100 m, and
 /// impossible below 1 mm and above 10 km. NaN gives no doubt.
