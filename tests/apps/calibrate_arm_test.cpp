@@ -22,7 +22,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using Json = nlohmann::json;
 
 constexpr double kTip = 2;        // [mm]
 constexpr double kBall = 15;      // [mm]
@@ -69,7 +68,7 @@ std::string touches_of_hand(const geometry::TriangleMesh& hand) {
   return text;
 }
 
-Isometry3d pose_in(const Json& rows) {
+Isometry3d pose_in(const nlohmann::json& rows) {
   Isometry3d pose = Isometry3d::Identity();
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column)
@@ -94,7 +93,7 @@ TEST(CalibrateArm, ByTouchesWritesThePoseAndKeepsTheRestOfASetup) {
       {"calibrate", "arm", "--touches", scratch / "touches.csv", "--surface", mesh, "--tip-radius",
        "2", "--start", scratch / "rough.json", "-o", scratch / "arm.json", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;
-  const Json figures = Json::parse(result.out);
+  const nlohmann::json figures = nlohmann::json::parse(result.out);
   const Vector3d middle = hand.vertices.rowwise().mean();
   EXPECT_LT(apart(pose_in(figures["pose"]), middle), 0.1);
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -169,7 +168,7 @@ TEST(CalibrateArm, ByABallInRangeMapsNamesThePoseThatIsWrong) {
   right.emplace_back("15");
   const CommandResult result = run_palpate(right);
   ASSERT_EQ(result.status, 0) << result.err;
-  const Json figures = Json::parse(result.out);
+  const nlohmann::json figures = nlohmann::json::parse(result.out);
   EXPECT_LT(apart(pose_in(figures["pose"]), {0, 0, 700}), 0.05);
   EXPECT_EQ(figures["used"], 8);
   EXPECT_FALSE(figures["residuals"][3]["used"].get<bool>());

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
@@ -68,7 +67,7 @@ std::string write_animation(const AnimationCall& call) {
       "{} frames of {} vertices in {:.3g} s{}, {:.1f} MB{}", frames.size(),
       animation.first.mesh.vertices.cols(), animation.times.back(),
       rate ? "" : fmt::format(" ({:g} frames per second; --rate sets another rate)", kUsualRate),
-      static_cast<double>(std::filesystem::file_size(call.output)) * 1e-6,
+      static_cast<double>(fs::file_size(call.output)) * 1e-6,
       lost_in_words(lost_frames(call.folder)));
 }
 

@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// The options of `palpate export --glb` of a folder.
 struct AnimationCall {
-  std::filesystem::path folder, output;
+  fs::path folder, output;
   std::optional<double> rate;  ///< [Hz] frames, if their names are no times
   int every = 1;               ///< only every Nth frame
   geometry::ReadOptions meshes;

@@ -23,8 +23,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// More frames than any folder holds.
 constexpr int kMostEvery = 1'000'000;
 

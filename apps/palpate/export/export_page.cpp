@@ -21,8 +21,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// An option, whether it was given, and for what it is.
 struct PageOption {
   const char* name;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -13,7 +12,7 @@ namespace palpate::apps {
 
 /// The options of `palpate export --html`; other formats take some of them.
 struct PageCall {
-  std::filesystem::path input, output;
+  fs::path input, output;
   std::string title;
   std::optional<double> unknown_friction;  ///< of models
   MapCamera camera;                        ///< of range maps and depth images
@@ -26,7 +25,7 @@ enum class PageContent { model, range_maps, meshes };
 
 /// A file that is no image counts as a mesh: its reader says what it is not.
 /// \throws FileError if there is no such file, or nothing of these in the folder.
-[[nodiscard]] PageContent content_of(const std::filesystem::path& path);
+[[nodiscard]] PageContent content_of(const fs::path& path);
 
 /// Checks the options of a call that asks for no page.
 /// \param is_animation whether it asks for that of a folder.
@@ -34,7 +33,7 @@ enum class PageContent { model, range_maps, meshes };
 void check_surface_options(const PageCall& call, PageContent content, bool is_animation);
 
 /// model.html, range.html or mesh.html.
-[[nodiscard]] std::filesystem::path usual_name(PageContent content);
+[[nodiscard]] fs::path usual_name(PageContent content);
 
 /// Writes the page of a model, of range maps or of meshes.
 /// \returns what was written, in words; empty for a model.

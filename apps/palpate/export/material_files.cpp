@@ -12,7 +12,6 @@
 #include "palpate/probing/material_text.h"
 #include "palpate/probing/simulator_files.h"
 #include "palpate/probing/specimen_file.h"
-#include "shared/call_checks.h"
 #include "shared/output_checks.h"
 
 namespace palpate::apps {
@@ -24,11 +23,11 @@ std::string simulator_ending(const std::string& simulator) {
   return simulator == "mujoco" ? ".xml" : ".scn";
 }
 
-std::string write_material(const std::filesystem::path& input, const std::string& simulator,
-                           const std::filesystem::path& output) {
+std::string write_material(const fs::path& input, const std::string& simulator,
+                           const fs::path& output) {
   const std::string text = probing::read_specimen_text(input);
   const probing::FiniteElementObject object = probing::parse_finite_elements(text, input.string());
-  std::filesystem::path mesh = output;
+  fs::path mesh = output;
   mesh += ".msh";
   check_outputs({input, object.mesh_file}, {output, mesh});
   if (simulator == "calculix") {

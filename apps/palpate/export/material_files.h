@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -18,7 +18,7 @@ namespace palpate::apps {
 /// \param input a specimen file with a solid of finite elements.
 /// \return what was written, in words.
 /// \throws FileError, InvalidInput, SolverError as simulator_files.h says.
-std::string write_material(const std::filesystem::path& input, const std::string& simulator,
-                           const std::filesystem::path& output);
+std::string write_material(const fs::path& input, const std::string& simulator,
+                           const fs::path& output);
 
 }  // namespace palpate::apps

@@ -7,11 +7,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "export/page_file.h"
 #include "palpate/core/error.h"
-#include "palpate/core/file_names.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/packed_image.h"
@@ -19,9 +17,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// Coordinates are rounded to a step that is at most this fraction of the diagonal of the bounding
 /// box: some 2 um for an object of 200 mm.

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "palpate/geometry/mesh_io.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -15,8 +15,7 @@ namespace palpate::apps {
 /// \returns what was written, in words: frames, size, and what rounding has lost.
 /// \throws FileError if a file is damaged; InvalidInput if there is no triangle, the meshes have
 /// different triangles, or the page would be too long. Nothing is written then.
-std::string write_mesh_page(const std::filesystem::path& output,
-                            const std::vector<std::filesystem::path>& meshes,
+std::string write_mesh_page(const fs::path& output, const std::vector<fs::path>& meshes,
                             const geometry::ReadOptions& options, const std::string& title);
 
 }  // namespace palpate::apps

@@ -25,7 +25,7 @@ constexpr std::string_view kBlocks = "{{blocks}}";
 
 /// JSON that ends no element of a page and holds no mark of a template: names of files may be any
 /// text.
-std::string json_text(const nlohmann::ordered_json& facts) {
+std::string json_text(const Json& facts) {
   std::string text;
   for (const char c : facts.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) {
     if (c == '<') {
@@ -41,7 +41,7 @@ std::string json_text(const nlohmann::ordered_json& facts) {
 
 }  // namespace
 
-std::filesystem::path page_template_path(const std::string& kind) {
+fs::path page_template_path(const std::string& kind) {
   return bundled(PALPATE_INSTALLED_PAGES, PALPATE_BUILT_PAGES) / (kind + ".html");
 }
 
@@ -85,9 +85,9 @@ PageEnds ends_of(const SequencePage& page) {
 
 }  // namespace
 
-std::size_t write_page(const std::filesystem::path& output, const SequencePage& page) {
+std::size_t write_page(const fs::path& output, const SequencePage& page) {
   struct Frame {
-    std::filesystem::path file;
+    fs::path file;
     std::string block;
   };
   const PageEnds ends = ends_of(page);
@@ -127,7 +127,7 @@ void ValueRange::add(std::span<const double> values) {
   for (std::size_t i = step / 2; i < known.size(); i += step) sample_.push_back(known[i]);
 }
 
-nlohmann::ordered_json ValueRange::to_json() const {
+Json ValueRange::to_json() const {
   if (is_empty()) return nullptr;
   std::vector<float> sorted = sample_;
   std::ranges::sort(sorted);

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "export/page_file.h"
 #include "palpate/core/error.h"
@@ -19,9 +18,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// Depths are rounded to a step that is at most this fraction of the smallest deviation, so that
 /// rounding moves them by at most half of it: a twentieth.

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,8 +14,7 @@ namespace palpate::apps {
 /// \returns what was written, in words: frames, size, and what rounding has lost.
 /// \throws FileError if a file is damaged or there is no camera; InvalidInput if sizes differ, no
 /// pixel is known, or the page would be too long. Nothing is written then.
-std::string write_range_page(const std::filesystem::path& output,
-                             const std::vector<std::filesystem::path>& maps,
+std::string write_range_page(const fs::path& output, const std::vector<fs::path>& maps,
                              const MapCamera& camera, const std::string& title);
 
 }  // namespace palpate::apps

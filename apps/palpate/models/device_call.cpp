@@ -13,8 +13,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 // Devices that have a setting, as bits.
 constexpr unsigned kOfPath = 1;  // recorded and scripted
 constexpr unsigned kOfHand = 2;

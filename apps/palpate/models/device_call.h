@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,13 +10,14 @@
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/simulated_hand.h"
 #include "palpate/haptics/virtual_coupling.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// What `palpate play` with a device is asked to do.
 struct DeviceCall {
   std::string device;  ///< recorded, scripted, hand, arm, or the driver of a device
-  std::filesystem::path model, trajectory, trace, session, pose, exchange;
+  fs::path model, trajectory, trace, session, pose, exchange;
   std::string tool;  ///< name of the tool of a scene that the device moves; empty: the first one
   std::optional<double> begin;        ///< [s] where a simulated device waits for its trajectory
   std::vector<std::string> settings;  ///< of the device, key=value

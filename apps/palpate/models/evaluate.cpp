@@ -24,9 +24,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 // Share of the squared forces that a model of the same object explains at least.
 constexpr double kSameForces = 0.5;
 // Forces that are this many times as large, or as small, seem to have another unit.

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "models/fit_record.h"
 #include "models/fit_report.h"
@@ -31,13 +30,9 @@
 #include "shared/output_checks.h"
 #include "shared/plausible.h"
 #include "shared/progress.h"
-#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 struct FitCall {
   fs::path acquisition, surface, output, pictures, shapes;

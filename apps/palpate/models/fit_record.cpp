@@ -10,7 +10,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "palpate/core/error.h"
@@ -18,9 +17,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kFitRecord = "fits of palpate fit";
 // Of the record; raised when the members of a line change. A record without one is older than 2.

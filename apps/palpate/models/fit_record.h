@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,7 +15,7 @@ namespace palpate::apps {
 class FitRecord {
  public:
   /// \param settings all options and data on which the fits depend, by name.
-  FitRecord(std::filesystem::path file, nlohmann::ordered_json settings);
+  FitRecord(fs::path file, Json settings);
 
   /// Takes over the fits that an earlier run has finished, if there was one.
   /// \throws InvalidInput if that run had other settings.
@@ -40,10 +39,10 @@ class FitRecord {
   void remove();
 
  private:
-  void check_same(const nlohmann::ordered_json& head) const;
+  void check_same(const Json& head) const;
 
-  std::filesystem::path file_;
-  nlohmann::ordered_json settings_;
+  fs::path file_;
+  Json settings_;
   std::map<long long, haptics::FitResult> fits_;  ///< of the earlier run
   bool resumed_ = false;
   std::optional<RunRecordWriter> writer_;  ///< after the first `add`

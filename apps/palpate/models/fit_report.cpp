@@ -14,13 +14,10 @@
 
 #include "palpate/geometry/error_statistics.h"
 #include "shared/command_line.h"
-#include "shared/inputs.h"
 #include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kNamedContacts = 50;  // largest number of contacts named per reason
 

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "palpate/haptics/build_model.h"
 
 // What `palpate fit` says of a model that it made.
+#include "shared/aliases.h"
+
 namespace palpate::apps {
 
 /// Their numbers; the first fifty if there are more.
@@ -21,14 +22,13 @@ void tell_build(const haptics::BuildResult& built);
 [[nodiscard]] std::string sharing_in_words(const haptics::BuildResult& built);
 
 /// What was taken off the samples, for --json.
-[[nodiscard]] nlohmann::ordered_json offsets_in_figures(const haptics::PressingOffsets& offsets);
+[[nodiscard]] Json offsets_in_figures(const haptics::PressingOffsets& offsets);
 
 /// One line for each contact.
 [[nodiscard]] std::string per_contact_in_words(const haptics::BuildResult& built);
 /// All contacts in one clause.
 [[nodiscard]] std::string fit_in_words(const haptics::BuildResult& built);
 /// The same for --json.
-[[nodiscard]] nlohmann::ordered_json fit_figures(const haptics::BuildResult& built,
-                                                 bool with_contacts);
+[[nodiscard]] Json fit_figures(const haptics::BuildResult& built, bool with_contacts);
 
 }  // namespace palpate::apps

@@ -16,8 +16,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 // Each shape is read for the fit and for its error.
 constexpr std::size_t kReadings = 2;
 

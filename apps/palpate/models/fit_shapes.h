@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "palpate/haptics/build_model.h"
 #include "palpate/probing/acquisition.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -21,7 +21,7 @@ namespace palpate::apps {
 [[nodiscard]] haptics::SurfaceResponse fit_shapes(const haptics::BuildResult& built,
                                                   const geometry::TriangleMesh& surface,
                                                   const probing::CheckedAcquisition& acquisition,
-                                                  const std::filesystem::path& meshes);
+                                                  const fs::path& meshes);
 
 /// "From 120 recorded shapes, ... ", or nothing.
 [[nodiscard]] std::string shapes_in_words(const std::optional<haptics::SurfaceResponse>& response);

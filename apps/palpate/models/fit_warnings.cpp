@@ -20,12 +20,6 @@
 #include "shared/plausible.h"
 
 namespace palpate::apps {
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-}  // namespace
-
 void tell_gaps(const probing::CheckedAcquisition& acquisition, Json& warnings) {
   const std::vector<long long> contacts = probing::probed_in_one_direction(acquisition);
   if (contacts.empty()) return;
@@ -69,7 +63,7 @@ void tell_doubts(const haptics::BuildResult& built, Json& warnings) {
   }
 }
 
-void tell_rates(const std::filesystem::path& acquisition, Json& warnings) {
+void tell_rates(const fs::path& acquisition, Json& warnings) {
   const std::optional<probing::CampaignStore> campaign = probing::CampaignStore::find(acquisition);
   if (!campaign) return;
   const std::string source = acquisition.string();

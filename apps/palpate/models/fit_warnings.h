@@ -2,20 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json_fwd.hpp>
-
 #include "palpate/haptics/build_model.h"
 #include "palpate/probing/acquisition.h"
 
 // What `palpate fit` doubts. Each function adds its warnings to the list `warnings`.
+#include "shared/aliases.h"
+
 namespace palpate::apps {
 
 /// Warns of what was not measured, so that the model only assumes it.
-void tell_gaps(const probing::CheckedAcquisition& acquisition, nlohmann::ordered_json& warnings);
+void tell_gaps(const probing::CheckedAcquisition& acquisition, Json& warnings);
 /// Warns of fits that are complete, but say little of the measurements.
-void tell_doubts(const haptics::BuildResult& built, nlohmann::ordered_json& warnings);
+void tell_doubts(const haptics::BuildResult& built, Json& warnings);
 /// Warns of measurements of a campaign that a quasi-static model does not show.
-void tell_rates(const std::filesystem::path& acquisition, nlohmann::ordered_json& warnings);
+void tell_rates(const fs::path& acquisition, Json& warnings);
 
 }  // namespace palpate::apps

@@ -30,14 +30,12 @@
 namespace palpate::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct IdentifyCall {
-  std::filesystem::path acquisition;
+  fs::path acquisition;
   std::string model = "strip";
   std::optional<double> tool_radius;
-  std::optional<std::filesystem::path> solid;  ///< specimen file of a solid of finite elements
-  std::optional<std::filesystem::path> card;   ///< file to write
+  std::optional<fs::path> solid;  ///< specimen file of a solid of finite elements
+  std::optional<fs::path> card;   ///< file to write
   haptics::SolidOptions solid_options;
   haptics::IdentifyOptions options;
 };

@@ -23,9 +23,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 struct MergeCall {
   std::vector<fs::path> models, poses;
   fs::path output, picture;

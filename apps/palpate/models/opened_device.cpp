@@ -35,7 +35,7 @@ haptics::TimedPath path_of(const DeviceCall& call, const haptics::DeviceLoopOpti
 }  // namespace
 
 OpenedDevice open_driver(const DeviceCall& call) {
-  const std::filesystem::path library = std::filesystem::absolute(call.device);
+  const fs::path library = fs::absolute(call.device);
   const std::map<std::string, std::string> settings = device_settings(call);
   if (call.in_process) {
     return {std::make_unique<probing::PluginArm>(library, settings, call.number)};

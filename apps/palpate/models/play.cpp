@@ -8,7 +8,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 #include <system_error>
 #include <vector>
 
@@ -32,8 +31,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct PlayCall {
   fs::path model, trajectory, record, picture, replay;

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -34,8 +33,6 @@
 namespace palpate::apps {
 namespace {
 
-using PlayJson = nlohmann::ordered_json;
-
 haptics::DeviceLoopOptions loop_options(const DeviceCall& call) {
   haptics::DeviceLoopOptions options;
   if (!call.pose.empty()) options.T_world_device = read_pose(call.pose);
@@ -49,8 +46,8 @@ haptics::DeviceLoopOptions loop_options(const DeviceCall& call) {
   return options;
 }
 
-PlayJson figures_of(const DeviceCall& call, const haptics::RunReport& report) {
-  PlayJson safety;
+Json figures_of(const DeviceCall& call, const haptics::RunReport& report) {
+  Json safety;
   for (std::size_t i = 0; i < report.actions.size(); ++i) {
     std::string key(haptics::safety_words()[i]);
     std::ranges::replace(key, ' ', '_');
@@ -124,7 +121,7 @@ struct PlayedLoop {
   std::string session;  ///< what a replay must know
   std::function<std::unique_ptr<haptics::DeviceRun>(probing::Arm&, const haptics::RunOptions&)>
       begin;
-  std::function<void(const haptics::LoopRecord&, const PlayJson& figures)> write_trace;
+  std::function<void(const haptics::LoopRecord&, const Json& figures)> write_trace;
 };
 
 void check_call(const DeviceCall& call) {
@@ -149,7 +146,7 @@ void run_loop(const Settings& settings, const DeviceCall& call,
   const std::unique_ptr<haptics::DeviceRun> run = played.begin(*device.arm, run_options);
   const AtInterrupt at_interrupt([&run] { run->stop(); });
   const haptics::RunReport report = run->finish();
-  const PlayJson figures = figures_of(call, report);
+  const Json figures = figures_of(call, report);
   if (!call.trace.empty()) played.write_trace(haptics::read_loop_record(call.session), figures);
   warn_of_run(call, report, device.arm->description());
   if (!report.device_lost.empty()) {
@@ -177,14 +174,14 @@ void play_device(const Settings& settings, const DeviceCall& call) {
                       arm, made_playback(call.model, model, call.playback), options, run);
                 },
             .write_trace =
-                [&](const haptics::LoopRecord& record, const PlayJson& /*figures*/) {
+                [&](const haptics::LoopRecord& record, const Json& /*figures*/) {
                   haptics::write_trace(call.trace, haptics::trace_of(record));
                 }});
 }
 
 void play_scene_device(const Settings& settings, DeviceCall call) {
   const SceneOfDevice scene = read_scene_of_device(call.model, call.tool);
-  std::vector<std::filesystem::path> inputs = scene.inputs;
+  std::vector<fs::path> inputs = scene.inputs;
   inputs.push_back(call.pose);
   check_outputs(inputs, {call.session});
   if (!call.trace.empty()) check_output_folder(inputs, call.trace);
@@ -217,7 +214,7 @@ void play_scene_device(const Settings& settings, DeviceCall call) {
                   return std::make_unique<haptics::DeviceRun>(arm, world, options, run);
                 },
             .write_trace =
-                [&](const haptics::LoopRecord& record, const PlayJson& figures) {
+                [&](const haptics::LoopRecord& record, const Json& figures) {
                   const std::shared_ptr<haptics::SceneWorld> world =
                       world_of(scene, record.device.period);
                   write_scene_traces(call.trace, scene.file, world->scene(),

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
 #include "models/device_call.h"
 #include "shared/command_line.h"
 
@@ -19,10 +17,9 @@ void play_scene_device(const Settings& settings, DeviceCall call);
 void play_stability(const Settings& settings, const DeviceCall& call);
 
 /// Computes a session again. \throws Error if it differs.
-void play_replay(const Settings& settings, const std::filesystem::path& model,
-                 const std::filesystem::path& exchange, const std::filesystem::path& session);
+void play_replay(const Settings& settings, const fs::path& model, const fs::path& exchange,
+                 const fs::path& session);
 /// The same of a scene.
-void play_scene_replay(const Settings& settings, const std::filesystem::path& scene,
-                       const std::filesystem::path& session);
+void play_scene_replay(const Settings& settings, const fs::path& scene, const fs::path& session);
 
 }  // namespace palpate::apps

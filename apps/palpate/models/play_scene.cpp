@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <nlohmann/json.hpp>
 #include <ostream>
 #include <regex>
 #include <span>
@@ -18,16 +17,12 @@
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/error_statistics.h"
-#include "palpate/haptics/scene_file.h"
 #include "shared/output_checks.h"
 #include "shared/play_friction.h"
 #include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
 constexpr const char* kFiguresFile = "figures.json";
 
@@ -78,7 +73,7 @@ void check_ways(const haptics::SceneFile& file, std::optional<std::size_t> devic
 
 void write_scene_traces(const fs::path& folder, const haptics::SceneFile& file,
                         const haptics::Scene& scene, const haptics::SceneTrace& trace,
-                        const ordered_json& figures) {
+                        const Json& figures) {
   const std::regex own(R"(figures\.json|(tool|object)_[\w-]+\.csv)");
   write_folder(folder, own_entries(folder, kFiguresFile, own), [&](const fs::path& place) {
     write_file(place / kFiguresFile, [&](std::ostream& out) { out << figures.dump(2) << '\n'; });
@@ -102,7 +97,7 @@ void play_scene(const Settings& settings, const fs::path& path, const fs::path& 
   const haptics::SceneTrace trace = haptics::play(scene, file.motion);
   const geometry::ErrorStatistics times = time_ticks(scene, file.motion);
 
-  ordered_json tools = ordered_json::array(), objects = ordered_json::array();
+  Json tools = Json::array(), objects = Json::array();
   std::string prose = fmt::format("{} ticks at {:g} Hz", trace.tools[0].size(), file.motion.rate);
   int touching = 0;
   for (std::size_t t = 0; t < file.tools.size(); ++t) {
@@ -135,7 +130,7 @@ void play_scene(const Settings& settings, const fs::path& path, const fs::path& 
     prose += fmt::format("\nObject {}: largest load {}, {:.1f} N mm about its origin",
                          file.objects[o], newtons(force, 3), torque);
   }
-  const ordered_json figures{
+  const Json figures{
       {"steps", trace.tools[0].size()},
       {"rate", file.motion.rate},
       {"tools", tools},

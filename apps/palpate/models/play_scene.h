@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -13,17 +12,16 @@
 namespace palpate::apps {
 
 /// Plays a scene file along its paths. \param record folder for the traces; empty for none.
-void play_scene(const Settings& settings, const std::filesystem::path& scene,
-                const std::filesystem::path& record);
+void play_scene(const Settings& settings, const fs::path& scene, const fs::path& record);
 
 /// \param device the tool that a device moves. \param path of the file, for messages.
 /// \throws InvalidInput if another tool has no trajectory.
 void check_ways(const haptics::SceneFile& file, std::optional<std::size_t> device,
-                const std::filesystem::path& path);
+                const fs::path& path);
 
 /// Writes the traces of all tools and objects, and the figures, into a folder.
-void write_scene_traces(const std::filesystem::path& folder, const haptics::SceneFile& file,
+void write_scene_traces(const fs::path& folder, const haptics::SceneFile& file,
                         const haptics::Scene& scene, const haptics::SceneTrace& trace,
-                        const nlohmann::ordered_json& figures);
+                        const Json& figures);
 
 }  // namespace palpate::apps

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "models/play_device.h"
 #include "models/play_scene.h"
@@ -19,17 +18,14 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using SessionJson = nlohmann::ordered_json;
-
-std::string text_of(const SessionJson& json) {
+std::string text_of(const Json& json) {
   // A path need not be Unicode.
-  return json.dump(-1, ' ', false, SessionJson::error_handler_t::replace);
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 /// What a scene's session was of: the path of each file and model, with its fingerprint.
-SessionJson prints_of(const SceneOfDevice& scene) {
-  SessionJson prints = SessionJson::array();
+Json prints_of(const SceneOfDevice& scene) {
+  Json prints = Json::array();
   for (const fs::path& path : scene.file.sources)
     prints.push_back({{"path", path.string()}, {"fingerprint", fingerprint(path)}});
   for (const fs::path& path : scene.file.models)
@@ -90,14 +86,14 @@ std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene, double
 void play_replay(const Settings& settings, const fs::path& model, const fs::path& exchange,
                  const fs::path& session) {
   const haptics::LoopRecord record = haptics::read_loop_record(session);
-  const SessionJson text = SessionJson::parse(record.session, nullptr, false);
+  const Json text = Json::parse(record.session, nullptr, false);
   if (text.is_object() && text.contains("scene")) {
     throw InvalidInput(fmt::format("{}: is the session of a scene; give its file in place of {}",
                                    session.string(), model.string()));
   }
   std::vector<fs::path> folders = {model};
   if (!exchange.empty()) folders.push_back(exchange);
-  const SessionJson models = text.is_object() ? text.value("models", SessionJson()) : SessionJson();
+  const Json models = text.is_object() ? text.value("models", Json()) : Json();
   for (std::size_t i = 0; i < folders.size(); ++i) {
     const bool known = models.is_array() && i < models.size() && models[i].is_object();
     if (known && models[i].value("fingerprint", "") != print_of_model(folders[i])) {
@@ -117,14 +113,14 @@ void play_replay(const Settings& settings, const fs::path& model, const fs::path
 
 void play_scene_replay(const Settings& settings, const fs::path& path, const fs::path& session) {
   const haptics::LoopRecord record = haptics::read_loop_record(session);
-  const SessionJson text = SessionJson::parse(record.session, nullptr, false);
+  const Json text = Json::parse(record.session, nullptr, false);
   const bool of_scene = text.is_object() && text.contains("scene") && text["scene"].is_array();
   if (!of_scene) {
     throw InvalidInput(fmt::format("{}: is not a session of a scene; give its model in place of {}",
                                    session.string(), path.string()));
   }
   const SceneOfDevice scene = read_scene_of_device(path, text.value("tool", ""));
-  const SessionJson then = text["scene"], now = prints_of(scene);
+  const Json then = text["scene"], now = prints_of(scene);
   for (std::size_t i = 0; i < now.size(); ++i) {
     const bool known = i < then.size() && then[i].is_object();
     if (known && then[i].value("fingerprint", "") == now[i].at("fingerprint")) continue;

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,13 +18,12 @@ namespace palpate::apps {
 /// A scene in which a device moves a tool.
 struct SceneOfDevice {
   haptics::SceneFile file;
-  std::size_t tool = 0;                       ///< of the device
-  std::vector<std::filesystem::path> inputs;  ///< files and folders that were read
+  std::size_t tool = 0;          ///< of the device
+  std::vector<fs::path> inputs;  ///< files and folders that were read
 };
 
 /// \param tool its name; empty: the first one. \throws FileError, or InvalidInput for another name.
-[[nodiscard]] SceneOfDevice read_scene_of_device(const std::filesystem::path& path,
-                                                 const std::string& tool);
+[[nodiscard]] SceneOfDevice read_scene_of_device(const fs::path& path, const std::string& tool);
 [[nodiscard]] std::string session_text(const SceneOfDevice& scene);
 /// The scene before its first tick, with ticks of the device [s].
 /// \throws InvalidInput naming a model that cannot be felt.

@@ -55,7 +55,7 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
   const double quiet = haptics::quiet_stiffness(hand.friction, hand.encoder_step);
   const double quiet_friction = haptics::quiet_friction(felt_largest, hand.encoder_step);
 
-  nlohmann::ordered_json needs = nlohmann::ordered_json::array();
+  Json needs = Json::array();
   std::string table;
   for (const double rate : {500.0, 1000.0, 2000.0, 4000.0}) {
     const double period = 1 / rate;

@@ -32,8 +32,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Smallest range of the colours of a map's distortion.
 constexpr double kLeastDoublings = 0.01;
 

@@ -20,8 +20,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// The poses at which a joint alone was moved, the first in the middle of its range.
 std::optional<pictures::JointTorques> torques_of(const ArmSession& session, int joint) {
   std::vector<const probing::HeldPose*> poses;

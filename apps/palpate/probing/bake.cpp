@@ -34,9 +34,7 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kToldFailures = 10;  // one by one, on standard error
 

@@ -12,14 +12,11 @@
 
 #include "palpate/pictures/draw_displacements.h"
 #include "palpate/pictures/draw_time_line.h"
-#include "probing/probe_campaign.h"
 #include "shared/model_pictures.h"
 #include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string force_in_words(std::optional<double> force) {
   return force ? newtons(*force, 3) : std::string("unknown");

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,13 +34,10 @@ struct CampaignReport {
 
 /// The parts of its page, one heading each; their pictures go into the folder.
 void add_summary(ReportPage& page, const CampaignReport& input);
-void add_time_line(ReportPage& page, const std::filesystem::path& folder,
-                   const CampaignReport& input);
-void add_displacements(ReportPage& page, const std::filesystem::path& folder,
-                       const CampaignReport& input);
-void add_samples(ReportPage& page, const std::filesystem::path& folder,
-                 const CampaignReport& input);
-void add_errors(ReportPage& page, const std::filesystem::path& folder, const CampaignReport& input);
+void add_time_line(ReportPage& page, const fs::path& folder, const CampaignReport& input);
+void add_displacements(ReportPage& page, const fs::path& folder, const CampaignReport& input);
+void add_samples(ReportPage& page, const fs::path& folder, const CampaignReport& input);
+void add_errors(ReportPage& page, const fs::path& folder, const CampaignReport& input);
 void add_contact_table(ReportPage& page, const CampaignReport& input);
 
 }  // namespace palpate::apps

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,7 +20,6 @@
 #include "palpate/probing/table_reader.h"
 #include "probing/probe.h"
 #include "shared/call_checks.h"
-#include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
@@ -30,10 +28,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-
-using Json = nlohmann::ordered_json;
 
 struct ProbeCall {
   std::vector<fs::path> data;

@@ -3,7 +3,6 @@
 #include "probing/probe_arm.h"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -11,8 +10,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/probing/arm_prober.h"
-#include "palpate/probing/arm_reach.h"
 #include "palpate/probing/arm_record.h"
 #include "palpate/probing/arm_setup.h"
 #include "palpate/probing/plugin_arm.h"
@@ -23,9 +20,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kQuasiStatic = "quasi-static";
 constexpr const char* kVirtual = "virtual";

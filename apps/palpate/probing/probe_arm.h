@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -13,21 +12,22 @@
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/prober.h"
 #include "palpate/probing/specimen.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// The arm of a campaign, as a call names it.
 struct ArmCall {
   std::string arm = "quasi-static";  ///< or "virtual", or the driver of a device
-  std::filesystem::path specimen, setup;
-  std::filesystem::path replay;  ///< a record, in place of an arm
+  fs::path specimen, setup;
+  fs::path replay;  ///< a record, in place of an arm
   std::uint64_t seed = 1;
 };
 
 /// What happens to an arm while it probes; the result does not depend on it.
 struct ArmWatch {
-  std::filesystem::path stop_file;  ///< the arm is stopped when this file exists; empty: none
-  std::filesystem::path record;     ///< to write; empty: none
+  fs::path stop_file;  ///< the arm is stopped when this file exists; empty: none
+  fs::path record;     ///< to write; empty: none
 };
 
 /// The description of an arm that a store keeps (JSON), with the texts of its files.

@@ -5,7 +5,6 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
-#include <vector>
 
 #include "palpate/acquisition/virtual_camera.h"
 #include "palpate/core/error.h"
@@ -21,9 +20,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kSimulated = "simulated";
 constexpr const char* kRange = "range";

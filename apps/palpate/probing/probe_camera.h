@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,10 +17,10 @@ namespace palpate::apps {
 
 /// The camera of a campaign, as a call names it.
 struct CameraCall {
-  std::string camera;                          ///< "simulated"; empty: none
-  std::filesystem::path rig, pattern, colors;  ///< empty, also in `resume`: not given
-  std::filesystem::path sensor;                ///< of a simulated camera; may be empty
-  bool truth = false;                          ///< also write the true depths
+  std::string camera;             ///< "simulated"; empty: none
+  fs::path rig, pattern, colors;  ///< empty, also in `resume`: not given
+  fs::path sensor;                ///< of a simulated camera; may be empty
+  bool truth = false;             ///< also write the true depths
   acquisition::SeeingOptions seeing = {};
 };
 
@@ -38,7 +37,7 @@ void add_campaign_camera(CLI::App& command, CameraCall& call);
 /// A description with the files of `call` in place of those that it names, if there are any.
 /// \throws InvalidInput if a file is not that with which the campaign began.
 [[nodiscard]] std::string moved_camera(const std::string& description, const CameraCall& call,
-                                       const std::filesystem::path& store);
+                                       const fs::path& store);
 
 /// An arm with the camera that looks at what it does.
 class CampaignCamera {
@@ -47,7 +46,7 @@ class CampaignCamera {
   /// \param arm which outlives the camera. \param store where the acquisition is, or will be.
   /// \throws InvalidInput if the arm or its specimen cannot be seen, or the files do not fit each
   /// other; FileError.
-  CampaignCamera(const std::string& description, const std::filesystem::path& store,
+  CampaignCamera(const std::string& description, const fs::path& store,
                  const probing::ContactPlan& plan, CampaignArm& arm);
   ~CampaignCamera();
 
@@ -63,6 +62,6 @@ class CampaignCamera {
 
 /// Folders beside the store into which a campaign with a camera writes.
 /// \throws InvalidInput if one of them holds files already.
-void check_camera_folders(const std::string& description, const std::filesystem::path& store);
+void check_camera_folders(const std::string& description, const fs::path& store);
 
 }  // namespace palpate::apps

@@ -6,23 +6,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/campaign_trial.h"
 #include "shared/command_line.h"
-#include "shared/inputs.h"
 #include "shared/progress.h"
 #include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Shares from which on a difference is told. The virtual arm, whose force errs by 0.03 N on each
 /// way and whose objects damp a little, shows a loss of 0.19 on an elastic body.

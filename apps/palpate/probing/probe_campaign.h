@@ -4,7 +4,6 @@
 
 #include <limits>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -46,9 +45,9 @@ struct CampaignFindings {
                                            const probing::CampaignOptions& options);
 
 /// What `probe run` and `probe status` print, with and without --json.
-[[nodiscard]] nlohmann::ordered_json campaign_figures(const probing::Campaign& campaign,
-                                                      const probing::CampaignOptions& options,
-                                                      const CampaignFindings& findings);
+[[nodiscard]] Json campaign_figures(const probing::Campaign& campaign,
+                                    const probing::CampaignOptions& options,
+                                    const CampaignFindings& findings);
 [[nodiscard]] std::string campaign_words(const probing::Campaign& campaign,
                                          const probing::CampaignOptions& options,
                                          const CampaignFindings& findings);

@@ -16,8 +16,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Contacts that an arm cannot probe, by reason: "2 too_far (contacts 5, 9)".
 std::string out_of_reach(const probing::ContactPlan& plan, const probing::PlanReach& reach) {
   std::string text;

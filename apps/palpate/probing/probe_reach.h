@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
 #include "palpate/probing/arm_reach.h"
 #include "palpate/probing/contact_plan.h"
 #include "probing/probe_arm.h"
@@ -15,11 +13,11 @@ namespace palpate::apps {
 /// \throws InvalidInput if the plan is of another surface.
 [[nodiscard]] probing::PlanReach reach_of_arm(const CampaignArm& arm,
                                               const probing::ContactPlan& plan,
-                                              const std::filesystem::path& plan_path,
-                                              const std::filesystem::path& surface_path);
+                                              const fs::path& plan_path,
+                                              const fs::path& surface_path);
 
 /// \throws InvalidInput as `reach_of_arm`, or naming the contacts that the arm cannot probe.
 void check_reach(const CampaignArm& arm, const probing::ContactPlan& plan,
-                 const std::filesystem::path& plan_path, const std::filesystem::path& surface_path);
+                 const fs::path& plan_path, const fs::path& surface_path);
 
 }  // namespace palpate::apps

@@ -16,15 +16,11 @@
 #include "palpate/probing/campaign_options_text.h"
 #include "probing/probe.h"
 #include "probing/probe_campaign.h"
-#include "shared/call_checks.h"
 #include "shared/model_pictures.h"
 #include "shared/output_checks.h"
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// A contact is predicted from at least three others.
 constexpr std::size_t kLeastLeftOut = 4;

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -30,9 +29,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// Contacts that are touched again before a device goes on, and touches of each. A touch scatters
 /// by 0.03 mm along the approach.

@@ -13,7 +13,6 @@
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/csv.h"
-#include "palpate/probing/known_forces.h"
 #include "palpate/probing/specimen_file.h"
 #include "probing/probe.h"
 #include "probing/probe_truth.h"
@@ -25,9 +24,7 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
 
 struct TruthCall {
   fs::path specimen, output;

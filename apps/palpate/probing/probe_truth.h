@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
 #include "palpate/probing/known_forces.h"
 #include "palpate/probing/specimen.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -16,7 +15,7 @@ inline constexpr const char* kTruthQueries = "queries.csv";
 /// Writes the surface of a simulated object and known forces on it.
 /// \throws InvalidInput if no place is so far from the border, SolverError if a force has no
 /// equilibrium, or OutputError.
-void write_truth(const std::filesystem::path& folder, const probing::Specimen& specimen,
+void write_truth(const fs::path& folder, const probing::Specimen& specimen,
                  const probing::KnownForceOptions& options = {});
 
 }  // namespace palpate::apps

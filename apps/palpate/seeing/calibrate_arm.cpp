@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -34,9 +33,7 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using Eigen::Vector3d;
-using Json = nlohmann::ordered_json;
 
 struct PlacementCall {
   fs::path touches, surface, start, ball, output;

@@ -23,8 +23,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// `--distances` apply to this central part of the image's width and height.
 constexpr int kMiddle = 16;
 
@@ -71,7 +69,7 @@ std::vector<sensing::WhiteImage> read_images(const ChromaticCall& call, const se
   return images;
 }
 
-nlohmann::ordered_json figures_of(const sensing::ChannelCalibration& channel) {
+Json figures_of(const sensing::ChannelCalibration& channel) {
   return {{"alpha", channel.shift.alpha},     {"alpha_deviation", channel.deviation.alpha},
           {"beta", channel.shift.beta},       {"beta_deviation", channel.deviation.beta},
           {"gamma", channel.shift.gamma},     {"gamma_deviation", channel.deviation.gamma},
@@ -104,7 +102,7 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
   rig.blue = found.blue.shift;
   sensing::write_rig(call.output, rig);
 
-  nlohmann::ordered_json images = nlohmann::ordered_json::array();
+  Json images = Json::array();
   std::string prose;
   for (const sensing::WhiteImageUse& use : found.images) {
     if (!use.median_depth) {
@@ -116,8 +114,7 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
         {{"image", use.name},
          {"cells", use.cells},
          {"median_depth", *use.median_depth},
-         {"period_deviation", use.period_deviation ? nlohmann::ordered_json(*use.period_deviation)
-                                                   : nlohmann::ordered_json()}});
+         {"period_deviation", use.period_deviation ? Json(*use.period_deviation) : Json()}});
     prose += fmt::format("{}: phases at {} points, median depth {:.1f} mm\n", use.name, use.cells,
                          *use.median_depth);
   }
@@ -128,10 +125,10 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
         "needed): add images at other distances, or of tilted surfaces",
         separation, sensing::kPoorSeparation);
   }
-  const nlohmann::ordered_json figures = {{"red", figures_of(found.red)},
-                                          {"blue", figures_of(found.blue)},
-                                          {"images", images},
-                                          {"file", call.output.string()}};
+  const Json figures = {{"red", figures_of(found.red)},
+                        {"blue", figures_of(found.blue)},
+                        {"images", images},
+                        {"file", call.output.string()}};
   print(settings, figures,
         prose + prose_of("red", found.red) + prose_of("blue", found.blue) + "Written to " +
             call.output.string());

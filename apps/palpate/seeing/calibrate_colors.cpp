@@ -20,9 +20,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// A colour that is mistaken for another one this often causes a warning. A transition needs two
 /// correct colours, and a depth needs several transitions that agree.
 constexpr double kWarn = 0.05;

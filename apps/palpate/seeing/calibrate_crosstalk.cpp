@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "palpate/sensing/crosstalk_calibration.h"
 #include "palpate/sensing/frame.h"
@@ -20,14 +18,12 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct CrosstalkCall {
   fs::path off, red, green, blue, rig, response, output;
 };
 
-nlohmann::ordered_json rows_of(const Eigen::Matrix3d& matrix) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+Json rows_of(const Eigen::Matrix3d& matrix) {
+  Json rows = Json::array();
   for (const auto& row : matrix.rowwise()) rows.push_back({row[0], row[1], row[2]});
   return rows;
 }

@@ -24,9 +24,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 struct ResponseCall {
   fs::path ramp, output, picture, check, response, rig, pattern;
   double distance = 0;

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
@@ -27,8 +26,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct RigCall {
   std::vector<fs::path> folders;
@@ -69,8 +66,8 @@ void draw_patterns(const Settings& settings, const RigCall& call) {
                     images, still.columns, still.rows, call.draw.string()));
 }
 
-nlohmann::ordered_json lens_figures(const geometry::Camera& lens,
-                                    const sensing::CameraDeviation& deviation, double rms) {
+Json lens_figures(const geometry::Camera& lens, const sensing::CameraDeviation& deviation,
+                  double rms) {
   return {{"rms", rms},
           {"fx", lens.fx},
           {"fy", lens.fy},
@@ -104,8 +101,8 @@ void report(const Settings& settings, const RigCall& call,
   const Eigen::Vector3d t = rig.T_projector_camera.translation();
   const Eigen::Vector3d t_deviation = calibration.translation_deviation;
   const Eigen::Vector3d turn = calibration.rotation_deviation / kDegree;
-  nlohmann::ordered_json views = nlohmann::ordered_json::array();
-  nlohmann::ordered_json rejected = nlohmann::ordered_json::array();
+  Json views = Json::array();
+  Json rejected = Json::array();
   std::string prose;
   for (const sensing::ViewResiduals& view : calibration.views) {
     views.push_back({{"view", view.name},

@@ -19,7 +19,7 @@ void add_capture_list(CLI::App& capture, const Settings& settings) {
   command->callback([&settings] {
     const sensing::CameraList list = sensing::list_cameras();
     for (const std::string& problem : list.problems) spdlog::warn("{}", problem);
-    nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
+    Json cameras = Json::array();
     std::string prose;
     for (const sensing::CameraEntry& camera : list.cameras) {
       cameras.push_back({{"name", camera.name}, {"model", camera.model}});

@@ -26,8 +26,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// From this number of poses on, the rig is calibrated after each, to see what is still uncertain.
 constexpr std::size_t kFirstCalibration = 4;
 /// Fewer corners or lit points of a pose do not count in a calibration.

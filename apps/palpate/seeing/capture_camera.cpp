@@ -53,7 +53,7 @@ std::string bayer_name(sensing::BayerPattern pattern) {
   return {};
 }
 
-nlohmann::ordered_json camera_figures(const sensing::CameraState& state) {
+Json camera_figures(const sensing::CameraState& state) {
   return {{"name", state.name},
           {"camera_size", {state.size.width, state.size.height}},
           {"rate", number_or_null(state.rate > 0 ? std::optional(state.rate) : std::nullopt)},

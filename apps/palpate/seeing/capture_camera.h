@@ -4,11 +4,11 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "palpate/sensing/live_camera.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -28,7 +28,7 @@ void add_live_camera_options(CLI::App& command, LiveCameraCall& call);
 [[nodiscard]] std::unique_ptr<sensing::LiveCamera> open_live_camera(const LiveCameraCall& call);
 
 /// How the camera is set, for records and reports.
-[[nodiscard]] nlohmann::ordered_json camera_figures(const sensing::CameraState& state);
+[[nodiscard]] Json camera_figures(const sensing::CameraState& state);
 
 /// What `palpate decode` has to know of its frames: " --bayer rggb --bits 12"; mostly nothing.
 [[nodiscard]] std::string decode_options_of(const sensing::CameraState& state);

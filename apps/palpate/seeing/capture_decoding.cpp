@@ -21,14 +21,11 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Frames after which it is said that they do not fit, so that nobody records for hours in vain.
 constexpr std::size_t kFirstJudgement = 5;
 
 /// As `palpate decode` records its settings, so that it can go on with --resume.
-nlohmann::ordered_json live_settings(const LiveDecodeCall& call,
-                                     const sensing::CameraState& camera) {
+Json live_settings(const LiveDecodeCall& call, const sensing::CameraState& camera) {
   return decode_settings({.rig = call.rig,
                           .pattern = call.pattern,
                           .colors = call.colors,

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
-#include <filesystem>
-#include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,8 +20,8 @@ namespace palpate::apps {
 
 /// What `capture sequence` decodes with.
 struct LiveDecodeCall {
-  std::filesystem::path output;  ///< the folder of the range maps; empty: nothing is decoded
-  std::filesystem::path rig, pattern, colors, response;
+  fs::path output;  ///< the folder of the range maps; empty: nothing is decoded
+  fs::path rig, pattern, colors, response;
   sensing::DecodeOptions options;
 };
 
@@ -39,11 +36,11 @@ class LiveDecoding {
   /// Decodes a frame and writes its range map. Any thread may call this.
   /// \param file where the frame is recorded.
   /// \throws OutputError if the disk is full.
-  void decode(const sensing::RecordedFrame& frame, const std::filesystem::path& file);
+  void decode(const sensing::RecordedFrame& frame, const fs::path& file);
 
   /// Records which frames are decoded. To be called when all frames are written.
   /// \param frames all that were recorded, in their order.
-  void finish(const std::vector<std::filesystem::path>& frames);
+  void finish(const std::vector<fs::path>& frames);
 
   [[nodiscard]] const Outcomes& outcomes() const { return outcomes_; }
   /// [ms] from the arrival of a frame to its written range map.
@@ -59,7 +56,7 @@ class LiveDecoding {
   std::optional<sensing::Decoder> decoder_;
   std::optional<ResultFolder> folder_;
   DecodeOutputs outputs_;
-  nlohmann::ordered_json live_settings_;
+  Json live_settings_;
   std::mutex mutex_;
   bool begun_ = false;
   bool has_warned_ = false;

@@ -17,8 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kCaptureTable = "times.csv";
 
 /// A recording cannot be repeated, so nothing is listed that may be replaced.
@@ -37,7 +35,7 @@ std::vector<fs::path> refuse_recording(const fs::path& folder) {
 
 }  // namespace
 
-CaptureFiles::CaptureFiles(fs::path folder, const nlohmann::ordered_json& settings)
+CaptureFiles::CaptureFiles(fs::path folder, const Json& settings)
     : folder_(std::move(folder)),
       settings_(settings),
       lock_(folder_, refuse_recording, ResultFolder::Unfinished::kept) {}

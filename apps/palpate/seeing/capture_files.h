@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -25,10 +24,10 @@ class CaptureFiles {
   /// \param settings how the camera is set.
   /// \throws InvalidInput if the folder already has images or a recording.
   /// \throws OutputError if it cannot be written.
-  CaptureFiles(std::filesystem::path folder, const nlohmann::ordered_json& settings);
+  CaptureFiles(fs::path folder, const Json& settings);
 
   /// The file of the frame at a place in the recording.
-  [[nodiscard]] std::filesystem::path file(std::size_t index) const;
+  [[nodiscard]] fs::path file(std::size_t index) const;
   /// Writes a frame. Any thread may call this.
   /// \throws OutputError if the disk is full.
   void write(const sensing::RecordedFrame& frame);
@@ -44,8 +43,8 @@ class CaptureFiles {
     double time;
   };
 
-  std::filesystem::path folder_;
-  nlohmann::ordered_json settings_;
+  fs::path folder_;
+  Json settings_;
   ResultFolder lock_;
   mutable std::mutex mutex_;
   std::optional<RunRecordWriter> record_;  ///< from the first frame on

@@ -28,9 +28,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// Entries of the list of lost frames in a message.
 constexpr std::size_t kMostGaps = 8;
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "seeing/capture_stage.h"
 
-#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -21,8 +20,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Share of pixels at full scale above which an exposure is too long.
 constexpr double kMostClipped = 0.01;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -19,8 +18,8 @@ namespace palpate::apps {
 /// What all commands have that show images on a projector and take one image of each.
 struct StageCall {
   LiveCameraCall camera;
-  std::filesystem::path show;  ///< folder of the images to show
-  std::filesystem::path output;
+  fs::path show;  ///< folder of the images to show
+  fs::path output;
   std::string projector;
   bool by_hand = false;    ///< the user shows the images
   double settle_ms = 200;  ///< [ms] until an image is on the screen
@@ -46,7 +45,7 @@ class Stage {
   /// Shows an image and takes one of it, with the object at rest. What is taken is in colour if the
   /// camera has a mosaic, and uses all 16 bits if it has more than 8.
   /// \throws InvalidInput if the image does not fit the projector; DeviceError.
-  [[nodiscard]] cv::Mat take(const std::filesystem::path& image);
+  [[nodiscard]] cv::Mat take(const fs::path& image);
 
   [[nodiscard]] sensing::LiveCamera& camera() { return *camera_; }
   /// Largest share of pixels at full scale in an image that was taken, and which one it was.
@@ -64,8 +63,9 @@ class Stage {
 
 /// The images of a folder whose names begin or end like one of these, by name.
 /// \throws InvalidInput if there are none; `remedy` says how to make them.
-[[nodiscard]] std::vector<std::filesystem::path> images_to_show(
-    const std::filesystem::path& folder, const std::vector<std::string>& starts,
-    const std::vector<std::string>& ends, const std::string& remedy);
+[[nodiscard]] std::vector<fs::path> images_to_show(const fs::path& folder,
+                                                   const std::vector<std::string>& starts,
+                                                   const std::vector<std::string>& ends,
+                                                   const std::string& remedy);
 
 }  // namespace palpate::apps

@@ -3,7 +3,6 @@
 // Images of single scenes, under one projected image after the other.
 #include <fmt/format.h>
 
-#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -16,12 +15,9 @@
 #include "seeing/capture.h"
 #include "seeing/capture_stage.h"
 #include "shared/call_checks.h"
-#include "shared/inputs.h"
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kDrawn = "palpate pattern -o pattern/";
 

@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
@@ -36,7 +34,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 /// The next frame to be decoded. Frames that an earlier run has finished are added to `kept`.
@@ -114,7 +111,7 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
 }
 
 /// Everything that a range map depends on besides its frame, by the names of the options.
-nlohmann::ordered_json settings_of(const DecodeCall& call) {
+Json settings_of(const DecodeCall& call) {
   return decode_settings({.rig = call.rig,
                           .pattern = call.pattern,
                           .colors = call.colors,
@@ -127,7 +124,7 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
 /// Several images of a still scene give one range map.
 void decode_scenes(const Settings& settings, const DecodeCall& call, sensing::FrameSource& source,
                    const sensing::Rig& rig, const sensing::Pattern& pattern) {
-  nlohmann::ordered_json record_settings = settings_of(call);
+  Json record_settings = settings_of(call);
   record_settings["--multishot"] = true;
   record_settings["--exposures"] = call.exposures;
   const sensing::MultishotDecoder decoder(rig, pattern, {.exposures = call.exposures});

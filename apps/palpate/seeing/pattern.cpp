@@ -30,8 +30,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// If stripe edges tolerate less misplacement than this, they may identify the wrong period [camera
 /// px].
 constexpr double kLeastEdgeTolerance = 2;
@@ -134,12 +132,12 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
             const Drawer& draw) {
   const sensing::Pattern& pattern = design.pattern;
   const std::string axis = pattern.axis == sensing::Axis::x ? "x" : "y";
-  nlohmann::ordered_json figures = {{"folder", call.output.string()},
-                                    {"projector_size", {draw.width, draw.height}},
-                                    {"colors", nlohmann::ordered_json::array()},
-                                    {"stripes", pattern.stripes.size()},
-                                    {"axis", axis},
-                                    {"period_px", pattern.period}};
+  Json figures = {{"folder", call.output.string()},
+                  {"projector_size", {draw.width, draw.height}},
+                  {"colors", Json::array()},
+                  {"stripes", pattern.stripes.size()},
+                  {"axis", axis},
+                  {"period_px", pattern.period}};
   std::string names;
   for (const sensing::PatternColor& color : pattern.colors) {
     figures["colors"].push_back(color.name);

@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cerrno>
-#include <string>
 #include <system_error>
 #include <vector>
 
@@ -20,8 +19,6 @@ extern char** environ;
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "palpate-project";
 constexpr const char* kRefused = "refused: ";

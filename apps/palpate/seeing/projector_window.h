@@ -4,8 +4,9 @@
 
 #include <sys/types.h>
 
-#include <filesystem>
 #include <string>
+
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -24,7 +25,7 @@ class ProjectorWindow {
   /// Shows an image; returns when it is on the screen, as far as the computer can tell.
   /// \throws InvalidInput if it has not the size of the monitor.
   /// \throws DeviceError if the window was closed.
-  void show(const std::filesystem::path& image);
+  void show(const fs::path& image);
 
  private:
   [[nodiscard]] std::string answer();

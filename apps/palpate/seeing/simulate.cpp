@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
-#include <optional>
 #include <regex>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -22,8 +20,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Files in a folder of simulated frames.
 const std::regex kOwnFiles(

@@ -71,14 +71,14 @@ std::string causes(const ReportLine& line) {
   return text + ".\n";
 }
 
-nlohmann::ordered_json report_figures(const ReportLine& line) {
+Json report_figures(const ReportLine& line) {
   const sensing::RigAssessment& found = line.found;
-  nlohmann::ordered_json lost = nlohmann::ordered_json::object();
+  Json lost = Json::object();
   for (int i = 1; i < sensing::kReasonCount && line.failure.empty(); ++i) {
     lost[std::string(sensing::name(static_cast<sensing::Reason>(i)))] =
         found.reasons[static_cast<std::size_t>(i)];
   }
-  nlohmann::ordered_json figures = score_figures(found.score);
+  Json figures = score_figures(found.score);
   figures.update({{"visible", found.visible},
                   {"outside", found.outside},
                   {"dark", found.dark},
@@ -113,7 +113,7 @@ std::string report_table(const std::vector<ReportLine>& lines) {
 
 }  // namespace
 
-ReportLine report_line(const std::filesystem::path& picture, const sensing::RigTrial& trial) {
+ReportLine report_line(const fs::path& picture, const sensing::RigTrial& trial) {
   const sensing::SceneTruth& truth = trial.simulation.truth;
   ReportLine line{.found = sensing::assess(trial.decoded ? *trial.decoded : nothing_decoded(truth),
                                            truth, {.counted_bodies = 1}),
@@ -128,11 +128,11 @@ ReportLine report_line(const std::filesystem::path& picture, const sensing::RigT
 }
 
 void print_simulated(const Settings& settings, const std::vector<ReportLine>& lines,
-                     std::size_t shots, std::size_t images, const std::filesystem::path& output) {
-  nlohmann::ordered_json figures = {{"frames", shots}, {"folder", output.string()}};
+                     std::size_t shots, std::size_t images, const fs::path& output) {
+  Json figures = {{"frames", shots}, {"folder", output.string()}};
   std::string prose = lines.empty() ? "" : report_table(lines);
   if (!lines.empty()) {
-    figures["report"] = nlohmann::ordered_json::array();
+    figures["report"] = Json::array();
     for (const ReportLine& line : lines) figures["report"].push_back(report_figures(line));
   }
   if (images > 1) figures["images_of_each"] = images;

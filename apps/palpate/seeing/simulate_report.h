@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -15,18 +14,17 @@ namespace palpate::apps {
 /// Result of a trial of a rig.
 struct ReportLine {
   sensing::RigAssessment found;
-  std::string failure;            ///< why nothing was measured; else empty
-  std::filesystem::path picture;  ///< empty if there is nothing to draw
+  std::string failure;  ///< why nothing was measured; else empty
+  fs::path picture;     ///< empty if there is nothing to draw
 };
 
 /// Assesses the first body of a trial and draws its errors.
-[[nodiscard]] ReportLine report_line(const std::filesystem::path& picture,
-                                     const sensing::RigTrial& trial);
+[[nodiscard]] ReportLine report_line(const fs::path& picture, const sensing::RigTrial& trial);
 
 /// Prints what was simulated.
 /// \param lines of the report; empty if there is none.
 /// \param images of each shot: 1, or those of a still scene.
 void print_simulated(const Settings& settings, const std::vector<ReportLine>& lines,
-                     std::size_t shots, std::size_t images, const std::filesystem::path& output);
+                     std::size_t shots, std::size_t images, const fs::path& output);
 
 }  // namespace palpate::apps

@@ -16,8 +16,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Share of the camera's view that a mesh fills if no distance is given.
 constexpr double kFill = 0.8;
 /// How far the wall extends beyond the camera's view, to cover what lens distortion brings into it.

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -10,28 +9,27 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/virtual_sensor.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// The scene in front of the virtual sensor.
 struct SceneCall {
-  std::vector<std::filesystem::path> meshes;  ///< one, or a sequence
+  std::vector<fs::path> meshes;  ///< one, or a sequence
   geometry::ReadOptions read;
   std::vector<double> turn;         ///< [degrees] about the camera's x, y and z; empty for none
   std::optional<double> wall;       ///< [mm]
   std::vector<double> reflectance;  ///< one number, or red, green, blue
   double specular = 0, shininess = 50;
-  std::filesystem::path texture;
+  fs::path texture;
   double shutter = 0;  ///< share of the time between two meshes during which the shutter is open
 };
 
 /// An image of a pattern, as a projector shows it.
 /// \param pattern, rig the files of pattern and projector, for messages.
 /// \throws FileError if it cannot be read; InvalidInput if it is not of the projector's size.
-[[nodiscard]] cv::Mat read_panel(const std::filesystem::path& image,
-                                 const std::filesystem::path& pattern,
-                                 const geometry::Camera& projector,
-                                 const std::filesystem::path& rig);
+[[nodiscard]] cv::Mat read_panel(const fs::path& image, const fs::path& pattern,
+                                 const geometry::Camera& projector, const fs::path& rig);
 
 /// The pose of a mesh; all meshes of a sequence get that of the first.
 struct Placement {

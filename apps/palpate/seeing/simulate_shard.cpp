@@ -4,9 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "shards/shard_run.h"
 #include "shared/fingerprint.h"
@@ -16,8 +14,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// A frame is told from others by its mesh and its distance.
 fs::path shot_name(const SimulateCall& call, const Shot& shot) {

@@ -16,8 +16,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 sensing::VirtualSensor sensor_of(const SimulateCall& call) {
   sensing::VirtualSensor sensor;
   if (!call.sensor_file.empty()) sensor = sensing::read_virtual_sensor(call.sensor_file);

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
-#include <filesystem>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
@@ -22,7 +21,7 @@ namespace palpate::apps {
 /// A call of `simulate`.
 struct SimulateCall {
   SceneCall scene;
-  std::filesystem::path rig, pattern, decoder_rig, sensor_file, output;
+  fs::path rig, pattern, decoder_rig, sensor_file, output;
   std::vector<double> distances;
   bool ideal = false, report = false;
   sensing::VirtualSensor sensor;             ///< the fields that were given
@@ -50,21 +49,21 @@ struct SimulateSetup {
 [[nodiscard]] SimulateSetup read_setup(const SimulateCall& call);
 
 /// The images of the pattern, which lie beside its file.
-[[nodiscard]] std::vector<std::filesystem::path> panel_files(const SimulateCall& call,
-                                                             const sensing::Pattern& pattern);
+[[nodiscard]] std::vector<fs::path> panel_files(const SimulateCall& call,
+                                                const sensing::Pattern& pattern);
 
 /// Writes rig and sensor.
-void write_setup(const SimulateSetup& setup, const std::filesystem::path& output);
+void write_setup(const SimulateSetup& setup, const fs::path& output);
 
 /// What was written for a frame.
 struct SimulatedShot {
-  std::optional<ReportLine> line = {};            ///< if there is a report
-  std::vector<std::filesystem::path> files = {};  ///< without the picture of the report
+  std::optional<ReportLine> line = {};  ///< if there is a report
+  std::vector<fs::path> files = {};     ///< without the picture of the report
 };
 
 /// Simulates one frame and writes it with its truth. Noise depends on its number.
 /// \throws InvalidInput if the camera sees nothing of the mesh.
-SimulatedShot do_shot(const SimulateCall& call, const SimulateSetup& setup,
-                      const std::filesystem::path& output, std::size_t number);
+SimulatedShot do_shot(const SimulateCall& call, const SimulateSetup& setup, const fs::path& output,
+                      std::size_t number);
 
 }  // namespace palpate::apps

@@ -16,9 +16,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kShardOption = "--shard";
 
 /// Nothing unless the text is i/n with 1 <= i <= n.

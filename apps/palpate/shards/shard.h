@@ -4,12 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
+
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -39,22 +39,21 @@ CLI::Option* add_shard_option(CLI::App& command, std::optional<Shard>& shard);
 /// A call of a command, without its --shard: what all shards of a folder have in common.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct ShardCall {
-  std::string command;              ///< "decode"
-  std::string words;                ///< as typed in a shell: "palpate decode frames/ -o range"
-  std::filesystem::path directory;  ///< in which it was typed
-  std::filesystem::path output;     ///< the folder of the results
+  std::string command;  ///< "decode"
+  std::string words;    ///< as typed in a shell: "palpate decode frames/ -o range"
+  fs::path directory;   ///< in which it was typed
+  fs::path output;      ///< the folder of the results
   /// What the results depend on besides the items: the number of shards, the list of the items, the
   /// version, and the options by their names, with fingerprints of the files that they name.
-  nlohmann::ordered_json settings;
-  nlohmann::ordered_json record = {};  ///< what the command needs besides when shards are merged
+  Json settings;
+  Json record = {};  ///< what the command needs besides when shards are merged
 };
 
 /// Describes a call that was parsed.
 /// \param output the folder of the results.
 /// \param items the items in their order; only their names count, not their folders.
-[[nodiscard]] ShardCall shard_call(const CLI::App& command, const std::filesystem::path& output,
-                                   const Shard& shard,
-                                   std::span<const std::filesystem::path> items);
+[[nodiscard]] ShardCall shard_call(const CLI::App& command, const fs::path& output,
+                                   const Shard& shard, std::span<const fs::path> items);
 
 /// The call of one shard, to be typed in a shell, in its directory.
 [[nodiscard]] std::string words_of(const ShardCall& call, const Shard& shard);

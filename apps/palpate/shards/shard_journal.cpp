@@ -19,9 +19,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kShardsFolder = "shards";
 constexpr const char* kJournalKind = "shard of palpate";
 constexpr const char* kCallKind = "shards of palpate";

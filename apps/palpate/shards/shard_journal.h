@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -25,8 +24,7 @@ struct ShardFile {
 /// Measures a file as it is now.
 /// \param folder relative to which the path is noted; empty: as it is.
 /// \throws FileError if it is not there.
-[[nodiscard]] ShardFile measured(const std::filesystem::path& file,
-                                 const std::filesystem::path& folder = {});
+[[nodiscard]] ShardFile measured(const fs::path& file, const fs::path& folder = {});
 
 /// An item that a shard has finished.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
@@ -35,49 +33,46 @@ struct ShardItem {
   std::string name;
   std::string error;  ///< why there is no result; empty if there is one
   std::vector<ShardFile> inputs, outputs;
-  nlohmann::ordered_json result;  ///< the figures of the command
+  Json result;  ///< the figures of the command
 };
 
 /// What a shard has done, where and when.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct ShardJournal {
   Shard shard;
-  nlohmann::ordered_json settings;  ///< see ShardCall
-  std::string host, start, end;     ///< times in UTC, "2026-11-28T17:03:12Z", of the host's clock
-  double seconds = 0;               ///< from start to end
-  std::uintmax_t peak_memory = 0;   ///< [bytes] of the process
+  Json settings;                   ///< see ShardCall
+  std::string host, start, end;    ///< times in UTC, "2026-11-28T17:03:12Z", of the host's clock
+  double seconds = 0;              ///< from start to end
+  std::uintmax_t peak_memory = 0;  ///< [bytes] of the process
   std::vector<ShardItem> items;
 };
 
 /// The files of the shards in a folder of results, relative to it: those of an earlier sharded run,
 /// which another run into this folder replaces.
-[[nodiscard]] std::vector<std::filesystem::path> shard_files(const std::filesystem::path& folder);
+[[nodiscard]] std::vector<fs::path> shard_files(const fs::path& folder);
 
 /// folder/shards/0003-of-0007.jsonl
-[[nodiscard]] std::filesystem::path journal_file(const std::filesystem::path& folder,
-                                                 const Shard& shard);
+[[nodiscard]] fs::path journal_file(const fs::path& folder, const Shard& shard);
 
 /// Writes a journal as a whole.
 /// \throws OutputError if the disk is full.
-void write_journal(const std::filesystem::path& folder, const ShardJournal& journal);
+void write_journal(const fs::path& folder, const ShardJournal& journal);
 
 /// Reads the journal of a shard; nullopt if it is not there.
 /// \throws FileError if it was cut off, or is none of this shard.
-[[nodiscard]] std::optional<ShardJournal> read_journal(const std::filesystem::path& folder,
-                                                       const Shard& shard);
+[[nodiscard]] std::optional<ShardJournal> read_journal(const fs::path& folder, const Shard& shard);
 
 /// \throws InvalidInput if shards have other settings than those in `file`, naming the first one.
-void check_same_shards(const std::filesystem::path& file, const nlohmann::ordered_json& before,
-                       nlohmann::ordered_json now);
+void check_same_shards(const fs::path& file, const Json& before, Json now);
 
 /// folder/shards/call.json
-[[nodiscard]] std::filesystem::path call_file(const std::filesystem::path& folder);
+[[nodiscard]] fs::path call_file(const fs::path& folder);
 
 /// Writes down, in the folder of the results, what all shards have in common.
 void write_call(const ShardCall& call);
 
 /// Reads what the first shard has written; nullopt if no shard was started in this folder.
 /// \throws FileError if the file is damaged.
-[[nodiscard]] std::optional<ShardCall> read_call(const std::filesystem::path& folder);
+[[nodiscard]] std::optional<ShardCall> read_call(const fs::path& folder);
 
 }  // namespace palpate::apps

@@ -17,8 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// "Make shard 3/7 again, in /home/me: palpate decode ... --shard 3/7"
 std::string how_to_make(const ShardCall& call, const Shard& shard) {
   return fmt::format("in {}: {}", call.directory.string(), words_of(call, shard));

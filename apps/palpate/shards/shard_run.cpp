@@ -21,8 +21,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string this_host() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";

@@ -3,9 +3,7 @@
 #pragma once
 
 #include <chrono>
-#include <filesystem>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,7 +23,7 @@ namespace palpate::apps {
 class ShardRun {
  public:
   /// Lists results in the folder that are not those of shards.
-  using List = std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)>;
+  using List = std::function<std::vector<fs::path>(const fs::path&)>;
 
   /// \param call the call of this shard.
   /// \param write_common writes what all shards have in common; called by the first shard only.

@@ -9,8 +9,6 @@
 
 namespace palpate::apps {
 
-namespace fs = std::filesystem;
-
 fs::path program_folder() {
   constexpr const char* kProgram = "/proc/self/exe";
   std::error_code error;

@@ -8,14 +8,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <string>
 
 #include "palpate/core/error.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
-
-namespace fs = std::filesystem;
 
 CLI::Validator within(const Interval& range) {
   return {[range](const std::string& text) {

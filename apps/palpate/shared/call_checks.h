@@ -3,7 +3,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "palpate/core/require.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -52,10 +52,10 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Variable& variab
 /// Pictures are PNG files.
 /// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not
 /// given.
-void check_pictures(const std::vector<std::filesystem::path>& pictures);
+void check_pictures(const std::vector<fs::path>& pictures);
 
 /// \throws InvalidInput if `path` bears the name of the deviations or reasons that `decode` writes
 /// beside a range map.
-void check_is_depths(const std::filesystem::path& path);
+void check_is_depths(const fs::path& path);
 
 }  // namespace palpate::apps

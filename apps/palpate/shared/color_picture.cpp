@@ -16,7 +16,7 @@ namespace palpate::apps {
 namespace {
 
 /// A picture of the camera's size.
-cv::Mat read_picture(const std::filesystem::path& file, const geometry::Camera& camera) {
+cv::Mat read_picture(const fs::path& file, const geometry::Camera& camera) {
   cv::Mat picture = sensing::read_frame(file);
   if (picture.cols != camera.width || picture.rows != camera.height) {
     throw FileError(fmt::format(
@@ -29,42 +29,40 @@ cv::Mat read_picture(const std::filesystem::path& file, const geometry::Camera& 
 
 /// The colour image that a recording has for a depth image, if `folder` is the recording or the
 /// folder of its colour images; else empty.
-std::filesystem::path recorded_color(const std::filesystem::path& folder,
-                                     const std::filesystem::path& depth_image,
-                                     sensing::DepthRecordings& recordings) {
+fs::path recorded_color(const fs::path& folder, const fs::path& depth_image,
+                        sensing::DepthRecordings& recordings) {
   const std::optional<sensing::RecordedDepth> frame = recordings.find(depth_image);
   if (!frame || frame->color.empty()) return {};
   std::error_code is_missing;
-  for (const std::filesystem::path& place : {frame->recording, frame->color.parent_path()})
-    if (std::filesystem::equivalent(folder, place, is_missing)) return frame->color;
+  for (const fs::path& place : {frame->recording, frame->color.parent_path()})
+    if (fs::equivalent(folder, place, is_missing)) return frame->color;
   return {};
 }
 
 }  // namespace
 
-std::filesystem::path picture_of(const std::filesystem::path& folder,
-                                 const std::filesystem::path& range_map,
-                                 sensing::DepthRecordings& recordings) {
+fs::path picture_of(const fs::path& folder, const fs::path& range_map,
+                    sensing::DepthRecordings& recordings) {
   if (!is_folder(folder)) throw FileError(folder.string() + ": is not a folder");
   const std::string name = range_map.stem().string();
   for (const char* ending : {"_color.png", ".png", ".jpg", ".tiff"}) {
-    std::filesystem::path file = folder / (name + ending);
-    if (is_there(file) && !std::filesystem::equivalent(file, range_map)) return file;
+    fs::path file = folder / (name + ending);
+    if (is_there(file) && !fs::equivalent(file, range_map)) return file;
   }
-  std::filesystem::path file = recorded_color(folder, range_map, recordings);
+  fs::path file = recorded_color(folder, range_map, recordings);
   if (!file.empty()) return file;
   throw FileError(fmt::format("{}: has no picture of {} ({}_color.png, {}.png, {}.jpg or {}.tiff)",
                               folder.string(), range_map.filename().string(), name, name, name,
                               name));
 }
 
-std::filesystem::path color_beside(const std::filesystem::path& range_map) {
+fs::path color_beside(const fs::path& range_map) {
   return range_map.parent_path() / (range_map.stem().string() + "_color.png");
 }
 
-geometry::Attributes colors_beside(const std::filesystem::path& range_map,
-                                   const Eigen::Matrix3Xd& vertices, const MapCamera& camera) {
-  const std::filesystem::path file = color_beside(range_map);
+geometry::Attributes colors_beside(const fs::path& range_map, const Eigen::Matrix3Xd& vertices,
+                                   const MapCamera& camera) {
+  const fs::path file = color_beside(range_map);
   if (!is_range_map(range_map) || !is_there(file)) {
     throw FileError(file.string() +
                     ": missing. --color needs the colour of the surface, which palpate decode "
@@ -82,18 +80,16 @@ geometry::Attributes colors_beside(const std::filesystem::path& range_map,
   return colors_of(vertices, seen_by, color);
 }
 
-geometry::Attributes colors_in(const std::filesystem::path& folder,
-                               const std::filesystem::path& range_map,
+geometry::Attributes colors_in(const fs::path& folder, const fs::path& range_map,
                                const Eigen::Matrix3Xd& vertices, const geometry::Camera& camera,
                                sensing::DepthRecordings& recordings) {
-  const std::filesystem::path file = picture_of(folder, range_map, recordings);
+  const fs::path file = picture_of(folder, range_map, recordings);
   const cv::Mat picture = read_picture(file, camera);
   if (picture.depth() != CV_8U) throw FileError(file.string() + ": has 16 bit; 8 are expected");
   return colors_of(vertices, camera, picture);
 }
 
-geometry::ImageF intensities_in(const std::filesystem::path& folder,
-                                const std::filesystem::path& range_map,
+geometry::ImageF intensities_in(const fs::path& folder, const fs::path& range_map,
                                 const geometry::Camera& camera,
                                 sensing::DepthRecordings& recordings) {
   cv::Mat picture;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/depth_recording.h"
@@ -12,13 +10,13 @@
 namespace palpate::apps {
 
 /// The picture that `decode --surface-color` writes beside a range map.
-[[nodiscard]] std::filesystem::path color_beside(const std::filesystem::path& range_map);
+[[nodiscard]] fs::path color_beside(const fs::path& range_map);
 
 /// Colours of the vertices of a range map's mesh, from the picture that `decode --surface-color`
 /// has written beside the range map.
 /// \param vertices 3 x V [mm], camera frame
 /// \throws FileError if the picture is missing, or has not the size of the range map.
-[[nodiscard]] geometry::Attributes colors_beside(const std::filesystem::path& range_map,
+[[nodiscard]] geometry::Attributes colors_beside(const fs::path& range_map,
                                                  const Eigen::Matrix3Xd& vertices,
                                                  const MapCamera& camera);
 
@@ -26,15 +24,13 @@ namespace palpate::apps {
 /// it, or NAME.png, NAME.jpg or NAME.tiff, which is not the range map itself; or, if the folder
 /// belongs to a recording (`is_depth_recording`), the picture that was taken with the depth image.
 /// \throws FileError if there is none.
-[[nodiscard]] std::filesystem::path picture_of(const std::filesystem::path& folder,
-                                               const std::filesystem::path& range_map,
-                                               sensing::DepthRecordings& recordings);
+[[nodiscard]] fs::path picture_of(const fs::path& folder, const fs::path& range_map,
+                                  sensing::DepthRecordings& recordings);
 
 /// Colours of the vertices of a range map's mesh, from its picture in a folder.
 /// \param vertices 3 x V [mm], camera frame
 /// \throws FileError if there is none, or if it has not 8 bit or not the size of the range map.
-[[nodiscard]] geometry::Attributes colors_in(const std::filesystem::path& folder,
-                                             const std::filesystem::path& range_map,
+[[nodiscard]] geometry::Attributes colors_in(const fs::path& folder, const fs::path& range_map,
                                              const Eigen::Matrix3Xd& vertices,
                                              const geometry::Camera& camera,
                                              sensing::DepthRecordings& recordings);
@@ -42,8 +38,7 @@ namespace palpate::apps {
 /// Intensities of a range map's pixels, from its picture in a folder: of colours, the mean of the
 /// channels.
 /// \throws FileError if there is none, or if it has not the size of the range map.
-[[nodiscard]] geometry::ImageF intensities_in(const std::filesystem::path& folder,
-                                              const std::filesystem::path& range_map,
+[[nodiscard]] geometry::ImageF intensities_in(const fs::path& folder, const fs::path& range_map,
                                               const geometry::Camera& camera,
                                               sensing::DepthRecordings& recordings);
 

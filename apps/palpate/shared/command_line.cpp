@@ -44,10 +44,9 @@ class HelpFormatter : public CLI::Formatter {
 
 }  // namespace
 
-void print(const Settings& settings, const nlohmann::ordered_json& figures,
-           const std::string& prose) {
+void print(const Settings& settings, const Json& figures, const std::string& prose) {
   // JSON must be UTF-8, but file names need not be.
-  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  constexpr auto kReplace = Json::error_handler_t::replace;
   if (settings.figures != nullptr) {
     *settings.figures = figures;
     return;
@@ -56,9 +55,7 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
   std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
 }
 
-nlohmann::ordered_json number_or_null(std::optional<double> figure) {
-  return figure ? nlohmann::ordered_json(*figure) : nlohmann::ordered_json(nullptr);
-}
+Json number_or_null(std::optional<double> figure) { return figure ? Json(*figure) : Json(nullptr); }
 
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
   command.add_option_function<std::string>(

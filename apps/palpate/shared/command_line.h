@@ -3,12 +3,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <numbers>
 #include <optional>
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -23,18 +23,17 @@ struct Settings {
   bool json = false;   ///< print the figures as one JSON object instead of text
   bool quiet = false;  ///< print no text
   /// Where the figures go instead, if a command is a step of another one; then nothing is printed.
-  nlohmann::ordered_json* figures = nullptr;
+  Json* figures = nullptr;
 };
 
 /// Group of the options that all commands have, in their help.
 constexpr const char* kSharedOptions = "Options of every command";
 
 /// Prints a result: the figures as one JSON object, or the text.
-void print(const Settings& settings, const nlohmann::ordered_json& figures,
-           const std::string& prose);
+void print(const Settings& settings, const Json& figures, const std::string& prose);
 
 /// A figure in JSON; null if it is not known.
-[[nodiscard]] nlohmann::ordered_json number_or_null(std::optional<double> figure);
+[[nodiscard]] Json number_or_null(std::optional<double> figure);
 
 /// Adds the option --unit, the unit of the coordinates in the mesh files that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);

@@ -14,7 +14,7 @@
 
 namespace palpate::apps {
 
-geometry::PixelMask read_mask(const std::filesystem::path& path, const geometry::ImageF& map) {
+geometry::PixelMask read_mask(const fs::path& path, const geometry::ImageF& map) {
   const cv::Mat image = sensing::read_frame(path);
   if (image.channels() != 1 || image.rows != map.rows() || image.cols != map.cols()) {
     throw InvalidInput(
@@ -30,7 +30,7 @@ geometry::PixelMask read_mask(const std::filesystem::path& path, const geometry:
   return mask;
 }
 
-nlohmann::ordered_json score_figures(const geometry::RangeMapScore& score) {
+Json score_figures(const geometry::RangeMapScore& score) {
   return {{"distance", score.distance},
           {"measurable", score.measurable},
           {"covered", score.covered},

@@ -2,22 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "palpate/geometry/range_map_score.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// Reads an image whose non-zero pixels form a mask.
 /// \throws FileError if it cannot be read.
 /// \throws InvalidInput unless it has one channel and the size of `map`.
-[[nodiscard]] geometry::PixelMask read_mask(const std::filesystem::path& path,
-                                            const geometry::ImageF& map);
+[[nodiscard]] geometry::PixelMask read_mask(const fs::path& path, const geometry::ImageF& map);
 
 /// The figures of a score, with the names of `RangeMapScore`; lengths in mm.
-[[nodiscard]] nlohmann::ordered_json score_figures(const geometry::RangeMapScore& score);
+[[nodiscard]] Json score_figures(const geometry::RangeMapScore& score);
 
 /// The same in words: coverage, wrong depths, errors. `measurable` says which pixels these are.
 [[nodiscard]] std::string score_prose(const geometry::RangeMapScore& score,

@@ -10,7 +10,6 @@
 #include <optional>
 #include <sstream>
 #include <type_traits>
-#include <vector>
 
 #include "palpate/core/field_text.h"
 #include "palpate/core/input_file.h"
@@ -185,8 +184,8 @@ void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields
   }
 }
 
-nlohmann::ordered_json option_values(const FieldList& fields) {
-  nlohmann::ordered_json values;
+Json option_values(const FieldList& fields) {
+  Json values;
   for (const FieldText& field : texts_of(fields)) values[name_of(field)] = shown(field);
   return values;
 }

@@ -12,6 +12,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/fields.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -29,7 +30,7 @@ std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields,
 void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields);
 
 /// The values of all fields by their options, for the records of runs.
-[[nodiscard]] nlohmann::ordered_json option_values(const FieldList& fields);
+[[nodiscard]] Json option_values(const FieldList& fields);
 
 /// The options of a call that gives `fields` where they differ from `usual`, another list of the
 /// same struct: " --window-periods 3 --half-resolution".

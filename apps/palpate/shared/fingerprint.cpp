@@ -25,7 +25,7 @@ class Fnv {
 
 }  // namespace
 
-std::string fingerprint(const std::filesystem::path& file) {
+std::string fingerprint(const fs::path& file) {
   Fnv hash;
   std::ifstream stream(file, std::ios::binary);
   std::vector<char> block(1 << 16);

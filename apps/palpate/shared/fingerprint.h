@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
+
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// A text that almost certainly differs if the content of the files differs.
-[[nodiscard]] std::string fingerprint(const std::filesystem::path& file);
+[[nodiscard]] std::string fingerprint(const fs::path& file);
 
 /// The same of a text: that of a file with this content.
 [[nodiscard]] std::string fingerprint_of(std::string_view text);

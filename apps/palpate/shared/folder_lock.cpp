@@ -13,7 +13,7 @@
 
 namespace palpate::apps {
 
-FolderLock::FolderLock(const std::filesystem::path& folder, With with)
+FolderLock::FolderLock(const fs::path& folder, With with)
     : handle_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (handle_ == -1) {
     throw OutputError(folder.string() +
@@ -30,7 +30,7 @@ FolderLock::FolderLock(const std::filesystem::path& folder, With with)
 
 FolderLock::~FolderLock() { ::close(handle_); }
 
-bool is_locked(const std::filesystem::path& folder) {
+bool is_locked(const fs::path& folder) {
   const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (handle == -1) return false;
   const bool locked = ::flock(handle, LOCK_SH | LOCK_NB) == -1 && errno == EWOULDBLOCK;

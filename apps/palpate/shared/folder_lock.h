@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-
-#include <filesystem>
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -18,7 +17,7 @@ class FolderLock {
 
   /// On a file system without locks, concurrent runs are not detected.
   /// \throws OutputError if another run has the lock, or if there is no such folder.
-  explicit FolderLock(const std::filesystem::path& folder, With with = With::nobody);
+  explicit FolderLock(const fs::path& folder, With with = With::nobody);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
@@ -28,6 +27,6 @@ class FolderLock {
 };
 
 /// Whether another run of the program is writing into a folder; false if there is no such folder.
-[[nodiscard]] bool is_locked(const std::filesystem::path& folder);
+[[nodiscard]] bool is_locked(const fs::path& folder);
 
 }  // namespace palpate::apps

@@ -6,10 +6,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <mutex>
 #include <set>
-#include <string>
 #include <system_error>
 #include <utility>
 
@@ -19,8 +17,6 @@
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/reason.h"
-#include "palpate/sensing/rig.h"
-#include "palpate/sensing/rig_doubts.h"
 #include "shared/call_checks.h"
 #include "shared/depth_score.h"
 #include "shared/field_options.h"
@@ -28,8 +24,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// \throws FileError if `path` is a PNG but not a depth image. A damaged file is left to its
 /// reader.

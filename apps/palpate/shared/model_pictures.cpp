@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/haptics/realignment.h"
@@ -19,8 +17,6 @@
 #include "shared/words.h"
 
 namespace palpate::apps {
-
-namespace fs = std::filesystem;
 
 namespace {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/probing/acquisition.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -21,21 +21,21 @@ namespace palpate::apps {
 [[nodiscard]] std::size_t median_contact(const haptics::Model& model);
 
 /// Draws a model's surface, the geodesic Voronoi cells of its contacts, and their triangulation.
-void draw_model_contacts(const std::filesystem::path& png, const haptics::Model& model,
+void draw_model_contacts(const fs::path& png, const haptics::Model& model,
                          const std::string& title);
 
 /// Draws the realigned samples of one contact (an index) with its field and friction cone, in the
 /// contact's local frame.
-void draw_contact_field(const std::filesystem::path& png, const haptics::Model& model,
+void draw_contact_field(const fs::path& png, const haptics::Model& model,
                         const probing::CheckedAcquisition& acquisition, std::size_t contact);
 
 /// Draws the leave-one-out errors of contacts on the surface, interpolated between contacts by
 /// their weights, and unknown where no contact has influence.
-void draw_leave_one_out(const std::filesystem::path& png, const haptics::Model& model,
+void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
                         const haptics::LeaveOneOut& errors);
 
 /// Draws the forces of a played trace.
-void draw_trace(const std::filesystem::path& png, std::span<const haptics::TracePoint> trace,
+void draw_trace(const fs::path& png, std::span<const haptics::TracePoint> trace,
                 const std::string& title);
 
 }  // namespace palpate::apps

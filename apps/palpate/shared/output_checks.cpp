@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <string>
 #include <system_error>
 
 #include "palpate/core/error.h"
@@ -13,8 +12,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Canonical form of a path. A path that cannot be resolved is returned unchanged, so that its
 /// reader or writer reports the error.

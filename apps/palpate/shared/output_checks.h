@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <regex>
 #include <string>
 #include <vector>
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -14,20 +14,17 @@ namespace palpate::apps {
 /// \throws InvalidInput if one of `outputs` equals, or lies in, one of `inputs` or another of
 /// `outputs`.
 /// \throws OutputError if the folder of an output is a file or may not be written to.
-void check_outputs(const std::vector<std::filesystem::path>& inputs,
-                   const std::vector<std::filesystem::path>& outputs);
+void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs);
 
 /// The same for a folder that is replaced completely.
 /// \throws InvalidInput also if one of `inputs` lies in `folder`.
-void check_output_folder(const std::vector<std::filesystem::path>& inputs,
-                         const std::filesystem::path& folder);
+void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& folder);
 
 /// Lists the entries of `folder` that an earlier run of the same command wrote, and which may be
 /// replaced. `own` matches the paths of the files that the command writes, relative to the folder
 /// and with slashes; `mark` is a file that it always writes.
 /// \throws InvalidInput if `folder` is a file, holds any other file, or holds files but not `mark`.
-[[nodiscard]] std::vector<std::filesystem::path> own_entries(const std::filesystem::path& folder,
-                                                             const std::string& mark,
-                                                             const std::regex& own);
+[[nodiscard]] std::vector<fs::path> own_entries(const fs::path& folder, const std::string& mark,
+                                                const std::regex& own);
 
 }  // namespace palpate::apps

@@ -5,8 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
-#include <string>
-#include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/probing/acquisition_store.h"
@@ -14,13 +12,13 @@
 
 namespace palpate::apps {
 
-void warn(nlohmann::ordered_json& warnings, const std::string& kind, const std::string& message) {
+void warn(Json& warnings, const std::string& kind, const std::string& message) {
   spdlog::warn("{}.", message);
   warnings.push_back({{"kind", kind}, {"message", message}});
 }
 
 void check_plausible(const std::string& source, const probing::CheckedAcquisition& acquisition,
-                     nlohmann::ordered_json& warnings) {
+                     Json& warnings) {
   std::string impossible;
   for (const probing::Finding& finding : probing::find_implausible(acquisition)) {
     if (finding.impossible)
@@ -34,7 +32,7 @@ void check_plausible(const std::string& source, const probing::CheckedAcquisitio
                        ". docs/measurements.md describes the columns.");
 }
 
-void tell_left_out(const probing::ContactSurface& surface, nlohmann::ordered_json& warnings) {
+void tell_left_out(const probing::ContactSurface& surface, Json& warnings) {
   for (const probing::ContactMisfit& contact : surface.left_out) {
     warn(warnings, "left_out_of_surface",
          "the surface is made without contact " + std::to_string(contact.id) + ": it " +
@@ -42,8 +40,7 @@ void tell_left_out(const probing::ContactSurface& surface, nlohmann::ordered_jso
   }
 }
 
-probing::CheckedAcquisition read_plausible_acquisition(const std::filesystem::path& store,
-                                                       nlohmann::ordered_json& warnings) {
+probing::CheckedAcquisition read_plausible_acquisition(const fs::path& store, Json& warnings) {
   probing::CheckedAcquisition acquisition = probing::read_acquisition(store);
   check_plausible(store.string(), acquisition, warnings);
   return acquisition;

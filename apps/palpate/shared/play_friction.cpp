@@ -11,7 +11,7 @@
 namespace palpate::apps {
 namespace {
 
-void tell_unknown_friction(const std::filesystem::path& folder, int unknown, double played) {
+void tell_unknown_friction(const fs::path& folder, int unknown, double played) {
   if (unknown == 0) return;
   spdlog::warn("{}: the friction of {} is unknown; it is played with a coefficient of {:g}{}",
                folder.string(), counted(unknown, "contact"), played,
@@ -20,7 +20,7 @@ void tell_unknown_friction(const std::filesystem::path& folder, int unknown, dou
 
 }  // namespace
 
-void check_friction(const std::filesystem::path& folder, int unknown, double played) {
+void check_friction(const fs::path& folder, int unknown, double played) {
   if (played != haptics::PlaybackOptions{}.unknown_friction && unknown == 0) {
     throw InvalidInput(
         fmt::format("--unknown-friction: is for contacts whose friction is unknown; "
@@ -30,7 +30,7 @@ void check_friction(const std::filesystem::path& folder, int unknown, double pla
   tell_unknown_friction(folder, unknown, played);
 }
 
-std::shared_ptr<const haptics::Playback> made_playback(const std::filesystem::path& folder,
+std::shared_ptr<const haptics::Playback> made_playback(const fs::path& folder,
                                                        const haptics::Model& model,
                                                        const haptics::PlaybackOptions& options) {
   check_friction(folder, haptics::unknown_friction_count(model), options.unknown_friction);

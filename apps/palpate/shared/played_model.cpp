@@ -14,8 +14,6 @@
 
 namespace palpate::apps {
 
-namespace fs = std::filesystem;
-
 haptics::Model playable_model(const fs::path& folder) {
   haptics::Model model = haptics::read_model(folder);
   try {
@@ -39,29 +37,29 @@ std::string print_of_model(const fs::path& folder) {
 
 std::string session_text(const std::vector<fs::path>& models,
                          const haptics::PlaybackOptions& options) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const fs::path& model : models)
     list.push_back({{"path", model.string()}, {"fingerprint", print_of_model(model)}});
-  nlohmann::ordered_json text{{"models", list}};
+  Json text{{"models", list}};
   haptics::PlaybackOptions played = options;
   for (const FieldText& field : texts_of(fields_of(played)))
     text["playback"][field.name] = field.text;
   // A path need not be Unicode.
-  return text.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return text.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 SessionModels models_of(const std::string& session) {
-  const auto text = nlohmann::ordered_json::parse(session, nullptr, false);
+  const auto text = Json::parse(session, nullptr, false);
   SessionModels models;
   models.words = "another program";
   if (!text.is_object()) return models;
   if (text.contains("scene")) models.words = "a scene";
-  const auto playback = text.value("playback", nlohmann::ordered_json::object());
+  const auto playback = text.value("playback", Json::object());
   for (const auto& [name, value] : playback.items()) {
     if (value.is_string())
       assign(fields_of(models.playback), name, value.get_ref<const std::string&>());
   }
-  const auto list = text.value("models", nlohmann::ordered_json());
+  const auto list = text.value("models", Json());
   if (!list.is_array()) return models;
   models.words.clear();
   for (const auto& model : list) {

@@ -21,7 +21,7 @@ namespace {
 constexpr double kRotation = 1e-6;  // accepts values rounded to six decimals, as in text files
 constexpr std::size_t kWithoutLastRow = 12, kWhole = 16;
 
-std::vector<double> numbers(const std::filesystem::path& path) {
+std::vector<double> numbers(const fs::path& path) {
   if (is_folder(path)) throw FileError(path.string() + ": is a folder; expected a pose file.");
   std::ifstream in(path);
   std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -42,7 +42,7 @@ std::vector<double> numbers(const std::filesystem::path& path) {
 
 }  // namespace
 
-Eigen::Isometry3d read_pose(const std::filesystem::path& path) {
+Eigen::Isometry3d read_pose(const fs::path& path) {
   std::vector<double> entries = numbers(path);
   if (entries.size() == kWithoutLastRow) entries.insert(entries.end(), {0, 0, 0, 1});
   if (entries.size() != kWhole) {

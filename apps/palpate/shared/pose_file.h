@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <filesystem>
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -12,6 +12,6 @@ namespace palpate::apps {
 /// \throws FileError naming what is wrong: the file is missing, has another count of numbers or one
 /// that is not finite, has a last row other than 0 0 0 1, or the matrix is not a rotation
 /// (orthogonal to 1e-6, right-handed).
-[[nodiscard]] Eigen::Isometry3d read_pose(const std::filesystem::path& path);
+[[nodiscard]] Eigen::Isometry3d read_pose(const fs::path& path);
 
 }  // namespace palpate::apps

@@ -14,8 +14,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// A project file while it is read.
 class ProjectPage {
  public:

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -27,16 +28,15 @@ struct ProjectSection {
 /// The content of a project file (docs/projects.md), as it is written there. Names and values are
 /// not checked.
 struct Project {
-  std::filesystem::path output;  ///< folder for the results; empty: that of the file
+  fs::path output;  ///< folder for the results; empty: that of the file
   std::vector<ProjectSection> sections;
 };
 
 /// Reads a project file (YAML).
 /// \throws FileError with the line if the file is not YAML, or not sections with entries.
-[[nodiscard]] Project read_project(const std::filesystem::path& path);
+[[nodiscard]] Project read_project(const fs::path& path);
 
 /// A refusal of what stands in a line of a project: "project.yaml: line 3: `what`".
-[[noreturn]] void refuse_in_project(const std::filesystem::path& path, int line,
-                                    const std::string& what);
+[[noreturn]] void refuse_in_project(const fs::path& path, int line, const std::string& what);
 
 }  // namespace palpate::apps

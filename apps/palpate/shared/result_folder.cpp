@@ -16,8 +16,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 // The name of a run's hidden folder states how far the run is. It is renamed atomically, so that a
 // run that was killed can be continued from there.
 constexpr const char* kWriting = ".palpate-unfinished";

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,7 +24,7 @@ class ResultFolder {
  public:
   /// Lists the results of a finished run in a folder, relative to it. May throw InvalidInput if
   /// there are files that the command must not replace.
-  using List = std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)>;
+  using List = std::function<std::vector<fs::path>(const fs::path&)>;
 
   /// What becomes of a run that does not finish while earlier results are in the folder.
   enum class Unfinished {
@@ -37,13 +36,13 @@ class ResultFolder {
   /// Locks the folder, which is made if it is missing. If an earlier run was killed while it put
   /// its results in their place, that is completed.
   /// \throws OutputError if another run writes into the folder.
-  ResultFolder(std::filesystem::path folder, List list, Unfinished unfinished);
+  ResultFolder(fs::path folder, List list, Unfinished unfinished);
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
   /// Where this run writes its files.
-  [[nodiscard]] const std::filesystem::path& place() const { return place_; }
+  [[nodiscard]] const fs::path& place() const { return place_; }
 
   /// Whether results of an earlier run are in the folder, which `finish` replaces.
   [[nodiscard]] bool replaces() const { return place_ != folder_; }
@@ -59,21 +58,21 @@ class ResultFolder {
   /// the earlier run of which there is no new version. If the run wrote into the folder itself,
   /// results that are not among `mine` are removed; `mine` gets their paths relative to the folder.
   /// \throws OutputError if that is not possible.
-  void finish(const std::function<bool(const std::filesystem::path&)>& mine);
+  void finish(const std::function<bool(const fs::path&)>& mine);
 
  private:
   void put_in_place() const;
 
-  std::filesystem::path folder_;
+  fs::path folder_;
   List list_;
   Unfinished unfinished_;
-  std::filesystem::path place_;
+  fs::path place_;
   bool is_new_ = false;  ///< made by this run
   std::optional<FolderLock> lock_;
 };
 
 /// Checks, for readers, that the results in `folder` are those of one run.
 /// \throws FileError if a run puts its results in their place, or was killed while it did.
-void check_is_of_one_run(const std::filesystem::path& folder);
+void check_is_of_one_run(const fs::path& folder);
 
 }  // namespace palpate::apps

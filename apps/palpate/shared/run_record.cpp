@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <ostream>
-#include <string>
 #include <utility>
 
 #include "palpate/core/error.h"
@@ -14,8 +13,6 @@
 namespace palpate::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 /// One line. File names need not be UTF-8, but JSON must be.
 std::string to_line(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
@@ -23,7 +20,7 @@ std::string to_line(const Json& json) {
 
 }  // namespace
 
-RunRecord read_run_record(const std::filesystem::path& file, const std::string& remedy) {
+RunRecord read_run_record(const fs::path& file, const std::string& remedy) {
   RunRecord record;
   std::ifstream stream(file, std::ios::binary);
   int number = 0;
@@ -43,7 +40,7 @@ RunRecord read_run_record(const std::filesystem::path& file, const std::string& 
   return record;
 }
 
-void check_same_settings(const std::filesystem::path& file, const Json& before, const Json& now,
+void check_same_settings(const fs::path& file, const Json& before, const Json& now,
                          const std::string& remedy) {
   for (const auto& [name, value] : now.items()) {
     const Json earlier = before.is_object() ? before.value(name, Json()) : Json();
@@ -54,8 +51,7 @@ void check_same_settings(const std::filesystem::path& file, const Json& before, 
   }
 }
 
-RunRecordWriter::RunRecordWriter(std::filesystem::path file, const RunRecord& start)
-    : file_(std::move(file)) {
+RunRecordWriter::RunRecordWriter(fs::path file, const RunRecord& start) : file_(std::move(file)) {
   write_file(file_, [&](std::ostream& out) {
     out << to_line(start.head);
     for (const Json& item : start.items) out << to_line(item);

@@ -25,16 +25,14 @@ void add_scan_registration(CLI::App& command, const std::string& noun,
   add_fields_of(*here, command, fields_of(registration.options));
 }
 
-nlohmann::ordered_json register_named_scans(std::vector<geometry::Scan>& scans,
-                                            const std::vector<std::string>& names,
-                                            const std::string& noun,
-                                            const ScanRegistration& registration) {
+Json register_named_scans(std::vector<geometry::Scan>& scans, const std::vector<std::string>& names,
+                          const std::string& noun, const ScanRegistration& registration) {
   geometry::RegistrationOptions options = registration.options;
   std::optional<Progress> progress("registering");
   options.progress = [&](int done, int total) { progress->show(done, total); };
   const std::vector<geometry::Registration> moves = geometry::register_scans(scans, options);
   progress.reset();
-  nlohmann::ordered_json figures = nlohmann::ordered_json::array();
+  Json figures = Json::array();
   for (std::size_t i = 0; i < moves.size(); ++i) {
     const std::string& name = names[i + 1];
     if (moves[i].verdict != geometry::RegistrationVerdict::accepted) {

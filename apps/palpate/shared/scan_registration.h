@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/geometry/register_scans.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -24,9 +25,9 @@ void add_scan_registration(CLI::App& command, const std::string& noun,
 /// Registers each scan to those before it, starting from its pose, and sets its pose.
 /// \return name (as `noun`), verdict, reason, rms and overlap of each scan but the first.
 /// \throws SolverError naming the first scan whose pose is not accepted.
-[[nodiscard]] nlohmann::ordered_json register_named_scans(std::vector<geometry::Scan>& scans,
-                                                          const std::vector<std::string>& names,
-                                                          const std::string& noun,
-                                                          const ScanRegistration& registration);
+[[nodiscard]] Json register_named_scans(std::vector<geometry::Scan>& scans,
+                                        const std::vector<std::string>& names,
+                                        const std::string& noun,
+                                        const ScanRegistration& registration);
 
 }  // namespace palpate::apps

@@ -18,7 +18,7 @@ CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std
   return scene;
 }
 
-std::vector<bool> reachable_vertices_of(const std::filesystem::path& scene,
+std::vector<bool> reachable_vertices_of(const fs::path& scene,
                                         const haptics::SceneRequirement& requirement,
                                         const geometry::TriangleMesh& surface) {
   if (!requirement.region) return {};

@@ -3,19 +3,19 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/scene_requirement.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// A scene file that says what is needed, and which of its objects is meant.
 struct SceneChoice {
-  std::filesystem::path scene = {};
+  fs::path scene = {};
   std::optional<std::string> object = {};
 };
 
@@ -26,7 +26,7 @@ CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std
 
 /// The vertices of a surface that a tool can reach; empty if that is not limited.
 /// \throws InvalidInput naming the scene and the object if that is no part of the surface.
-[[nodiscard]] std::vector<bool> reachable_vertices_of(const std::filesystem::path& scene,
+[[nodiscard]] std::vector<bool> reachable_vertices_of(const fs::path& scene,
                                                       const haptics::SceneRequirement& requirement,
                                                       const geometry::TriangleMesh& surface);
 

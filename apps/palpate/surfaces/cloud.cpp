@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -30,8 +28,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 using Value = std::string;
 using Run = std::function<void(WorkedCloud&, const Value&, const CloudSettings&)>;
 

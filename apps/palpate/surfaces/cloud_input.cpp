@@ -15,8 +15,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// The points of a range map or depth image, with what `decode` has written beside it.
 geometry::PointCloud read_map(const fs::path& input, const CloudSettings& settings) {
   if (settings.points.unit)

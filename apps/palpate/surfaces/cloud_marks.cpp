@@ -17,8 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json in_json(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
 /// The numbers of the shapes of the points, 0 for none; empty if no shape was found yet.

@@ -17,8 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// [px] Cameras whose pixels differ by less are the same: text formats round their numbers.
 constexpr double kSamePixels = 0.01;
 

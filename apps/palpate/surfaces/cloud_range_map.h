@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "palpate/geometry/camera.h"
 #include "palpate/geometry/mesh_io.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -19,7 +19,7 @@ namespace palpate::apps {
 /// \throws InvalidInput if the cloud is not organised, no camera sees each point at its pixel, or
 /// the rig.yaml in the folder is that of another camera. Nothing is written then.
 /// \throws OutputError.
-[[nodiscard]] std::string write_as_range_map(const std::filesystem::path& path,
+[[nodiscard]] std::string write_as_range_map(const fs::path& path,
                                              const geometry::PointCloud& cloud,
                                              const std::optional<geometry::Camera>& camera);
 

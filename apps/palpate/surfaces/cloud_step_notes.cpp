@@ -16,10 +16,9 @@ Eigen::Index known_count(const geometry::PointCloud& cloud) {
 }
 
 void note_step(WorkedCloud& worked, const std::string& name, Eigen::Index known_before,
-               const nlohmann::ordered_json& figures, const std::string& words) {
+               const Json& figures, const std::string& words) {
   const Eigen::Index known = known_count(worked.cloud);
-  nlohmann::ordered_json note = {
-      {"step", name}, {"known", known}, {"removed", known_before - known}};
+  Json note = {{"step", name}, {"known", known}, {"removed", known_before - known}};
   note.update(figures);
   worked.steps.push_back(std::move(note));
   worked.prose += known == known_before ? fmt::format("{}: {}\n", name, words)
@@ -36,7 +35,7 @@ void keep_only(WorkedCloud& worked, const std::string& name, const std::vector<i
   worked.cloud = worked.cloud.height > 1 ? geometry::with_only(worked.cloud, kept)
                                          : geometry::selected(worked.cloud, kept);
   worked.found_what.clear();
-  note_step(worked, name, before, nlohmann::ordered_json::object(), words);
+  note_step(worked, name, before, Json::object(), words);
 }
 
 }  // namespace palpate::apps

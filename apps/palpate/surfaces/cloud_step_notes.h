@@ -17,7 +17,7 @@ inline constexpr const char* kClusterAttribute = "cluster";
 /// \param name of its option
 /// \param known_before points that were known before it
 void note_step(WorkedCloud& worked, const std::string& name, Eigen::Index known_before,
-               const nlohmann::ordered_json& figures, const std::string& words);
+               const Json& figures, const std::string& words);
 
 /// Keeps some points, as a step of this name. An organised cloud stays so.
 /// \param words what the kept points have in common

@@ -4,9 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
-#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/cloud_outliers.h"
@@ -20,9 +17,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// Sets the attribute `distance`, and notes its statistics.
 void note_distances(WorkedCloud& worked, const char* name, const fs::path& reference,

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -32,7 +31,7 @@ struct WorkedCloud {
   /// What the last step found, for --keep and --remove; empty if nothing.
   std::string found_what = {};
   std::vector<int> found = {};  ///< indices of its points
-  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  Json steps = Json::array();
   std::string prose = {};
 };
 
@@ -40,8 +39,7 @@ struct WorkedCloud {
 /// map stays organised and gets the deviations beside it; if all are range maps and no viewpoint is
 /// given, it is set to their camera.
 /// \throws FileError or InvalidInput.
-[[nodiscard]] WorkedCloud load_cloud(const std::vector<std::filesystem::path>& inputs,
-                                     CloudSettings& settings);
+[[nodiscard]] WorkedCloud load_cloud(const std::vector<fs::path>& inputs, CloudSettings& settings);
 
 // The steps. Each throws InvalidInput if it would leave no point. An organised cloud stays so where
 // points are only removed.
@@ -51,9 +49,9 @@ void remove_isolated(WorkedCloud& worked, double radius, int neighbours);
 void average_voxels(WorkedCloud& worked, double edge);
 void sample_poisson(WorkedCloud& worked, double min_distance);
 void find_normals(WorkedCloud& worked, int neighbours, const CloudSettings& settings);
-void measure_from_mesh(WorkedCloud& worked, const std::filesystem::path& reference,
+void measure_from_mesh(WorkedCloud& worked, const fs::path& reference,
                        const CloudSettings& settings);
-void measure_from_cloud(WorkedCloud& worked, const std::filesystem::path& reference,
+void measure_from_cloud(WorkedCloud& worked, const fs::path& reference,
                         const CloudSettings& settings);
 
 // Steps that find something among the points, and mark it in an attribute.

@@ -9,13 +9,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/cross_section.h"
-#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"
@@ -37,8 +35,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// [mm] Range of the position of a cross-section: 1000 km either way.
 constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);
@@ -133,7 +129,7 @@ void compare_pixels(const Settings& settings, const CompareCall& call) {
                         call.mask.empty() ? "with a depth in B" : "of the mask with a depth in B"));
 }
 
-nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
+Json to_json(const geometry::LargestDistance& distance) {
   return {{"lower", distance.lower},
           {"upper", distance.upper},
           {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
@@ -155,8 +151,8 @@ geometry::Registration register_smaller(const CompareCall& call, const geometry:
 }
 
 /// A pose row by row, as `palpate merge --pose` reads it.
-nlohmann::ordered_json to_json(const Eigen::Isometry3d& pose) {
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+Json to_json(const Eigen::Isometry3d& pose) {
+  Json rows = Json::array();
   for (const auto& row : pose.matrix().rowwise()) rows.push_back({row[0], row[1], row[2], row[3]});
   return rows;
 }
@@ -165,7 +161,7 @@ nlohmann::ordered_json to_json(const Eigen::Isometry3d& pose) {
 /// because there is nothing to compare.
 /// \return the same in words.
 std::string align(const CompareCall& call, geometry::TriangleMesh& a,
-                  const geometry::TriangleMesh& b, nlohmann::ordered_json& figures) {
+                  const geometry::TriangleMesh& b, Json& figures) {
   const geometry::Registration found = register_smaller(call, a, b);
   if (found.verdict != geometry::RegistrationVerdict::accepted) {
     const bool slides = found.verdict == geometry::RegistrationVerdict::slides;
@@ -211,7 +207,7 @@ void doubt_places(const CompareCall& call, const geometry::TriangleMesh& a,
 void compare_surfaces(const Settings& settings, const CompareCall& call) {
   geometry::TriangleMesh a = load_surface(call.a, call);
   const geometry::TriangleMesh b = load_surface(call.b, call);
-  nlohmann::ordered_json figures;
+  Json figures;
   std::string prose;
   const Eigen::ArrayXd depths = a.vertices.row(2);  // before A is moved out of its camera's frame
   if (call.align) prose = align(call, a, b, figures);

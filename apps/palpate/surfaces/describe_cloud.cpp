@@ -18,8 +18,6 @@
 namespace palpate::apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json corner(const Eigen::Vector3d& corner) {
   return corner.allFinite() ? Json{corner.x(), corner.y(), corner.z()} : Json(nullptr);
 }
@@ -64,7 +62,7 @@ std::string in_words(const Eigen::AlignedBox3d& box) {
   return "X " + range(0) + ", Y " + range(1) + ", Z " + range(2) + " mm";
 }
 
-void check_coordinates(const std::filesystem::path& path, const geometry::PointCloud& cloud) {
+void check_coordinates(const fs::path& path, const geometry::PointCloud& cloud) {
   constexpr double kLargest = 1e100;  // [mm] of cloud_distance.h and the others
   for (Eigen::Index i = 0; i < cloud.points.cols(); ++i) {
     if (cloud.points.col(i).allFinite() && cloud.points.col(i).cwiseAbs().maxCoeff() > kLargest)

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
 #include "palpate/geometry/mesh_io.h"
 #include "surfaces/describe_mesh.h"
 
@@ -11,7 +9,7 @@ namespace palpate::apps {
 
 /// Checks that coordinates are such that functions on clouds accept them.
 /// \throws InvalidInput naming the file and the point.
-void check_coordinates(const std::filesystem::path& path, const geometry::PointCloud& cloud);
+void check_coordinates(const fs::path& path, const geometry::PointCloud& cloud);
 
 /// Describes points: how many, where, how far from each other, and what is known of each.
 [[nodiscard]] Description describe_cloud(const geometry::PointCloud& cloud);

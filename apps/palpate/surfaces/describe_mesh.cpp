@@ -7,7 +7,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -25,9 +24,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 std::vector<std::string> names_of(const geometry::Attributes& attributes) {
   std::vector<std::string> names;

@@ -2,24 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// Description of a file in numbers and in words.
 struct Description {
-  nlohmann::ordered_json figures;
+  Json figures;
   std::string prose;
 };
 
 /// Describes a mesh file: size, unit and attributes, defects, and measures of its surface; or a
 /// file of points.
 /// \throws FileError if it can be read as neither, even a defective mesh.
-[[nodiscard]] Description describe_mesh(const std::filesystem::path& path,
-                                        geometry::ReadOptions options);
+[[nodiscard]] Description describe_mesh(const fs::path& path, geometry::ReadOptions options);
 
 }  // namespace palpate::apps

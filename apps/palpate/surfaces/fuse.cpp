@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/file_names.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/median.h"
 #include "palpate/geometry/merge_scans.h"
@@ -32,9 +31,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 struct FuseCall {
   std::vector<fs::path> inputs, poses;

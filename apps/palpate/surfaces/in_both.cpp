@@ -42,11 +42,10 @@ InBoth area_in_both(const geometry::SurfaceDistances& a, const geometry::Triangl
           .share = of_parts.area / a.area};
 }
 
-nlohmann::ordered_json to_json(const InBoth& found) {
+Json to_json(const InBoth& found) {
   const geometry::ErrorStatistics& error = found.error;
-  nlohmann::ordered_json json = {{"count", error.count},   {"rms", error.rms},
-                                 {"median", error.median}, {"p90", error.p90},
-                                 {"max", error.max},       {"share", found.share}};
+  Json json = {{"count", error.count}, {"rms", error.rms}, {"median", error.median},
+               {"p90", error.p90},     {"max", error.max}, {"share", found.share}};
   if (found.camera_distance && error.count > 0) {
     json["distance"] = *found.camera_distance;
     json["rms_percent"] = 100 * error.rms / *found.camera_distance;

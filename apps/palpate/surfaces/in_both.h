@@ -9,6 +9,7 @@
 
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_distance.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -30,7 +31,7 @@ struct InBoth {
 [[nodiscard]] InBoth area_in_both(const geometry::SurfaceDistances& a,
                                   const geometry::TriangleMesh& b, double within);
 
-[[nodiscard]] nlohmann::ordered_json to_json(const InBoth& found);
+[[nodiscard]] Json to_json(const InBoth& found);
 /// One line.
 [[nodiscard]] std::string in_words(const InBoth& found);
 

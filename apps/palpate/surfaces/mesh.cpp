@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,8 +20,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 /// Iterations of smoothing. A surface is smooth over its whole width long before.
 constexpr int kMostSmoothing = 1000;

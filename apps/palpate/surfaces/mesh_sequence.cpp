@@ -23,9 +23,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// A range map of a sequence, to be meshed.
 struct SequenceItem {
   std::size_t number = 0;  ///< in the sequence, from 0

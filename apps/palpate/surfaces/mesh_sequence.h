@@ -3,7 +3,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,11 +16,11 @@ namespace palpate::apps {
 
 /// A call of `mesh`.
 struct MeshCall {
-  std::vector<std::filesystem::path> inputs;
-  std::filesystem::path output, picture;
-  std::vector<std::filesystem::path> still;  ///< frames for `MeshSteps::noise`
-  std::string format = "ply";                ///< of the meshes of a sequence
-  std::optional<Shard> shard;                ///< of a sequence
+  std::vector<fs::path> inputs;
+  fs::path output, picture;
+  std::vector<fs::path> still;  ///< frames for `MeshSteps::noise`
+  std::string format = "ply";   ///< of the meshes of a sequence
+  std::optional<Shard> shard;   ///< of a sequence
   MeshSteps steps;
 };
 

@@ -8,14 +8,11 @@
 #include <algorithm>
 #include <numeric>
 #include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
 #include "palpate/geometry/attribute_transfer.h"
-#include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/median.h"
 #include "palpate/geometry/mesh_measures.h"
@@ -31,8 +28,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
   if (steps.meshes.unit) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -26,8 +25,8 @@ struct MeshSteps {
   bool smooth_depths = false;
   /// Of the depths, for `smooth_depths`; without it, that of the files beside range maps.
   std::optional<geometry::DepthNoise> noise = {};
-  bool color = false;  ///< of the vertices, from the NNNNNN_color.png beside the range map
-  std::filesystem::path color_images = {};  ///< folder of pictures for the same; may be empty
+  bool color = false;          ///< of the vertices, from the NNNNNN_color.png beside the range map
+  fs::path color_images = {};  ///< folder of pictures for the same; may be empty
   bool repair = false;
   std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
   int smooth = 0;                    ///< iterations
@@ -51,31 +50,28 @@ struct MadeMesh {
   geometry::Camera camera = {};                         ///< of the range map or depth image
   /// See MeshFile; of the comments those that name a texture.
   std::vector<std::string> material_files = {}, materials = {}, comments = {};
-  nlohmann::ordered_json figures;
+  Json figures;
   std::string prose;
 };
 
 /// The noise of a camera, from range maps or depth images of a scene that does not move.
 /// \throws FileError, or InvalidInput as `geometry::depth_noise`.
-[[nodiscard]] geometry::DepthNoise noise_in(const std::vector<std::filesystem::path>& still,
-                                            MapCamera camera);
+[[nodiscard]] geometry::DepthNoise noise_in(const std::vector<fs::path>& still, MapCamera camera);
 
 /// Makes the mesh of a range map, a depth image or a mesh file.
 /// \throws FileError, InvalidInput, SolverError or Unavailable, as the steps do.
-[[nodiscard]] MadeMesh make_mesh(const std::filesystem::path& input, const MeshSteps& steps);
+[[nodiscard]] MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps);
 
 /// \throws InvalidInput if colours are wanted in a format, ".stl", that has none.
 void check_color(const MeshSteps& steps, const std::string& extension);
 
 /// Writes a mesh that was made of `input`.
 /// \throws OutputError if it cannot be written.
-void write_made(const MadeMesh& made, const std::filesystem::path& input,
-                const std::filesystem::path& output);
+void write_made(const MadeMesh& made, const fs::path& input, const fs::path& output);
 
 /// The names of files that the input names, such as `MeshFile::material_files`, as the output has
 /// to name them.
-[[nodiscard]] std::vector<std::string> seen_from(const std::filesystem::path& output,
-                                                 const std::filesystem::path& input,
+[[nodiscard]] std::vector<std::string> seen_from(const fs::path& output, const fs::path& input,
                                                  std::vector<std::string> names);
 
 }  // namespace palpate::apps

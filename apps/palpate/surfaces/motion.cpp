@@ -29,9 +29,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kSeries = "motion.vtk.series";
 // The largest and the smallest stretch of a frame are those of this share of the vertices: single
 // ones at the border are often wrong.

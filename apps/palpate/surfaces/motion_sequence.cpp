@@ -17,8 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 // [frames] The whole number at the end of a name, such as that of 000012.ply. Decimals are none,
 // and neither are more than nine digits, which are a time in some unit.
 std::optional<double> frame_number(const fs::path& file) {

@@ -2,17 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "palpate/geometry/mesh_io.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// A mesh of a sequence.
 struct MotionFrame {
-  std::filesystem::path file;
+  fs::path file;
   double time = 0;  ///< [s] or [frames], since the first one
 };
 
@@ -25,7 +25,7 @@ struct MotionSequence {
 /// The meshes of a folder. Their names are times, or end with the numbers of frames, so that lost
 /// frames leave gaps; otherwise the meshes are counted in the order of their names.
 /// \throws FileError if there are none.
-[[nodiscard]] MotionSequence motion_sequence(const std::filesystem::path& folder);
+[[nodiscard]] MotionSequence motion_sequence(const fs::path& folder);
 
 /// [1/s] What the times of a sequence are divided by to become seconds: 1 if they are in seconds,
 /// otherwise `rate`.
@@ -35,7 +35,7 @@ struct MotionSequence {
 
 /// Reads a mesh of a sequence.
 /// \throws FileError also if it does not have the triangles of `reference`.
-[[nodiscard]] geometry::MeshFile read_motion_frame(const std::filesystem::path& file,
+[[nodiscard]] geometry::MeshFile read_motion_frame(const fs::path& file,
                                                    const geometry::TriangleMesh& reference,
                                                    const geometry::ReadOptions& options = {});
 

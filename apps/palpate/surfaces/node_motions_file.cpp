@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <optional>
 #include <string>
 
@@ -22,7 +21,7 @@ std::string entry_name(Eigen::Index row, Eigen::Index col) {
 
 }  // namespace
 
-void write_node_motions(const std::filesystem::path& path, const geometry::DeformationGraph& graph,
+void write_node_motions(const fs::path& path, const geometry::DeformationGraph& graph,
                         const std::vector<Eigen::Isometry3d>& motions) {
   geometry::PointCloud cloud;
   cloud.points = graph.nodes();
@@ -41,8 +40,7 @@ void write_node_motions(const std::filesystem::path& path, const geometry::Defor
   geometry::write_point_cloud(path, cloud);
 }
 
-std::vector<Eigen::Isometry3d> read_node_motions(const std::filesystem::path& path,
-                                                 Eigen::Index nodes) {
+std::vector<Eigen::Isometry3d> read_node_motions(const fs::path& path, Eigen::Index nodes) {
   const geometry::PointCloud cloud = geometry::read_point_cloud(path);
   if (cloud.points.cols() != nodes) {
     throw FileError(fmt::format("{}: holds the motions of {} nodes; expected those of {} nodes.",

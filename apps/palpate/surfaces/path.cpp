@@ -9,7 +9,6 @@
 #include <optional>
 #include <ostream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
@@ -26,7 +25,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using geometry::GeodesicPath;
 using geometry::SurfacePoint;
 using geometry::TriangleMesh;
@@ -127,9 +125,8 @@ void path(const Settings& settings, const PathCall& call) {
                 "(palpate info tells how many there are).");
   }
   write_paths(call.output, mesh, paths);
-  nlohmann::ordered_json figures = {{"paths", nlohmann::ordered_json::array()},
-                                    {"moved", places.moved()},
-                                    {"file", call.output.string()}};
+  Json figures = {
+      {"paths", Json::array()}, {"moved", places.moved()}, {"file", call.output.string()}};
   std::string prose;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const Eigen::Vector3d at = position(mesh, targets[i]);

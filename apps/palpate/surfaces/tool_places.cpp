@@ -12,8 +12,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// Of the diagonal of the surface: from there on, a contact is in another frame.
 constexpr double kBeside = 0.05;
 

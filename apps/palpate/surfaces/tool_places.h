@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <span>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "palpate/geometry/nonrigid_registration.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -23,11 +23,10 @@ class ToolPlaces {
   /// \param surface in the frame of the acquisition.
   /// \throws FileError if the acquisition cannot be read, InvalidInput if no sample names a range
   /// map, or a contact is not on the surface.
-  ToolPlaces(const std::filesystem::path& acquisition, const geometry::TriangleMesh& surface);
+  ToolPlaces(const fs::path& acquisition, const geometry::TriangleMesh& surface);
 
   /// \param range_map its name counts, without its folder.
-  [[nodiscard]] std::span<const geometry::KnownVertex> in(
-      const std::filesystem::path& range_map) const;
+  [[nodiscard]] std::span<const geometry::KnownVertex> in(const fs::path& range_map) const;
 
  private:
   std::map<std::string, std::vector<geometry::KnownVertex>> known_;  // by the name of the file

@@ -34,7 +34,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 /// Of an object that a campaign presses. On an elastic body of 80 mm seen by the bundled rig, 0.001
@@ -104,19 +103,17 @@ std::string content_of(const TrackCall& call, const fs::path& range_map) {
 }
 
 /// All that the meshes depend on besides the range maps, their masks and their pictures.
-nlohmann::ordered_json settings_of(TrackCall call, const fs::path& reference,
-                                   const fs::path& first_map) {
+Json settings_of(TrackCall call, const fs::path& reference, const fs::path& first_map) {
   const bool needs_rig = call.camera.intrinsics.empty();
-  nlohmann::ordered_json settings = {
-      {"version", PALPATE_VERSION},
-      {"--reference", fingerprint(reference)},
-      {"--acquisition", call.acquisition.empty() ? "" : fingerprint(call.acquisition)},
-      {"--color-images", call.color_images.string()},
-      {"--unit", call.meshes.unit.value_or(0)},
-      {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
-      {"--scale", call.camera.scale.value_or(0)},
-      {"--intrinsics", call.camera.intrinsics},
-      {"--format", call.outputs.format}};
+  Json settings = {{"version", PALPATE_VERSION},
+                   {"--reference", fingerprint(reference)},
+                   {"--acquisition", call.acquisition.empty() ? "" : fingerprint(call.acquisition)},
+                   {"--color-images", call.color_images.string()},
+                   {"--unit", call.meshes.unit.value_or(0)},
+                   {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
+                   {"--scale", call.camera.scale.value_or(0)},
+                   {"--intrinsics", call.camera.intrinsics},
+                   {"--format", call.outputs.format}};
   settings.update(option_values(fields_of(call.tracking)));
   settings.update(option_values(fields_of(call.camera.selection)));
   settings["--mask"] = call.camera.mask.string();
@@ -252,13 +249,13 @@ void doubt_motion_along(double sigma, double noise, bool has_images) {
 
 void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
             const geometry::TriangleMesh& mesh) {
-  nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
-  nlohmann::ordered_json lost = nlohmann::ordered_json::array();
+  Json per_frame = Json::array();
+  Json lost = Json::array();
   std::string prose, lost_names;
   std::vector<double> rms, noise, across, along;
   for (std::size_t i = 0; i < tracking.frames.size(); ++i) {
     const TrackedFrame& frame = tracking.frames[i];
-    nlohmann::ordered_json entry = to_json(frame);
+    Json entry = to_json(frame);
     entry["kept"] = i < tracking.kept;
     if (frame.lost.empty()) {
       const std::string file = (call.output / mesh_name(call.outputs, frame.range_map)).string();

@@ -17,8 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 fs::path mesh_file(const TrackOutputs& outputs, const fs::path& range_map) {
   return outputs.folder / mesh_name(outputs, range_map);
 }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "palpate/geometry/attribute.h"
@@ -14,18 +13,16 @@ namespace palpate::apps {
 
 /// What is written for each range map, and where.
 struct TrackOutputs {
-  std::filesystem::path folder;
+  fs::path folder;
   std::string format = "ply";  ///< of the meshes
   bool pictures = false;
 };
 
 /// Name of the mesh of a range map, in the folder.
-[[nodiscard]] std::string mesh_name(const TrackOutputs& outputs,
-                                    const std::filesystem::path& range_map);
+[[nodiscard]] std::string mesh_name(const TrackOutputs& outputs, const fs::path& range_map);
 
 /// The file that keeps how the nodes moved, from which another run goes on.
-[[nodiscard]] std::filesystem::path nodes_file(const TrackOutputs& outputs,
-                                               const std::filesystem::path& range_map);
+[[nodiscard]] fs::path nodes_file(const TrackOutputs& outputs, const fs::path& range_map);
 
 /// Whether all files of a frame are there; a lost one has none.
 [[nodiscard]] bool has_outputs(const TrackOutputs& outputs, const TrackedFrame& frame);
@@ -33,7 +30,7 @@ struct TrackOutputs {
 /// Writes what the tracker found. The record of the frame has to be written after it.
 /// \param colors of the vertices.
 /// \throws OutputError if a file cannot be written.
-void write_outputs(const TrackOutputs& outputs, const std::filesystem::path& range_map,
+void write_outputs(const TrackOutputs& outputs, const fs::path& range_map,
                    const geometry::Attributes& colors, const geometry::DeformationGraph& graph,
                    const geometry::TrackedSurface& found);
 

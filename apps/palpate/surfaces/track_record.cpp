@@ -17,9 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kTrackFile = "track.jsonl";
 constexpr const char* kTrackRecord = "frames of palpate track";
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,25 +22,24 @@ struct TrackedFrame {
 };
 
 /// The members of a frame as in the record.
-[[nodiscard]] nlohmann::ordered_json to_json(const TrackedFrame& frame);
+[[nodiscard]] Json to_json(const TrackedFrame& frame);
 
 /// Lists what `palpate track` wrote for the range maps of an earlier run, with paths relative to
 /// `folder`.
 /// \throws InvalidInput if the folder holds a mesh that no record claims, or a file where a record
 /// is to be written.
-[[nodiscard]] std::vector<std::filesystem::path> tracked_files(const std::filesystem::path& folder);
+[[nodiscard]] std::vector<fs::path> tracked_files(const fs::path& folder);
 
 /// The range maps of a folder that `palpate track` wrote in which the surface was lost; none if the
 /// folder has no record, as that of another command.
 /// \throws FileError if the record cannot be read.
-[[nodiscard]] std::vector<std::string> lost_frames(const std::filesystem::path& folder);
+[[nodiscard]] std::vector<std::string> lost_frames(const fs::path& folder);
 
 /// Records in `track.jsonl`, beside the meshes, which frames are finished, for --resume.
 class TrackRecord {
  public:
   /// `settings`: by name, all that the meshes depend on besides the range maps `inputs`.
-  TrackRecord(std::filesystem::path folder, nlohmann::ordered_json settings,
-              std::vector<std::filesystem::path> inputs);
+  TrackRecord(fs::path folder, Json settings, std::vector<fs::path> inputs);
 
   /// Takes over the frames that an earlier run finished, up to the first one that is not as it
   /// would be now: each frame depends on the one before.
@@ -49,8 +47,7 @@ class TrackRecord {
   /// \throws InvalidInput unless settings and range maps are the same (range maps may be added at
   /// the end).
   /// \throws FileError if the record cannot be read.
-  void resume(
-      const std::function<bool(const TrackedFrame&, const std::filesystem::path&)>& is_kept);
+  void resume(const std::function<bool(const TrackedFrame&, const fs::path&)>& is_kept);
 
   /// Frames that are taken over: those of the first range maps.
   [[nodiscard]] const std::vector<TrackedFrame>& kept() const { return kept_; }
@@ -63,12 +60,12 @@ class TrackRecord {
   void add(const TrackedFrame& frame);
 
  private:
-  [[nodiscard]] std::filesystem::path path() const;
-  void check_inputs(const nlohmann::ordered_json& head) const;
+  [[nodiscard]] fs::path path() const;
+  void check_inputs(const Json& head) const;
 
-  std::filesystem::path folder_;
-  nlohmann::ordered_json settings_;
-  std::vector<std::filesystem::path> inputs_;
+  fs::path folder_;
+  Json settings_;
+  std::vector<fs::path> inputs_;
   std::vector<TrackedFrame> kept_;
   std::optional<RunRecordWriter> writer_;  ///< after `begin`
 };

@@ -17,9 +17,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// Folder of the bundled data: beside the installed program, or in the source tree.
 fs::path find_data(const fs::path& given) {
   if (!given.empty()) return given;

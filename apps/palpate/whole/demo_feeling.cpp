@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -24,9 +23,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 /// Errors of the friction coefficients relative to the true ones in `truth_contacts.csv`.
 geometry::ErrorStatistics friction_errors(const haptics::Model& model, const fs::path& truth) {

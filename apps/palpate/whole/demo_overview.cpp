@@ -11,8 +11,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// px, of each of the four images.
 constexpr int kPaneWidth = 640;
 constexpr int kPaneHeight = 480;

@@ -22,9 +22,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// A frame of the bundled data, its rig, and `truth`, the common prefix of its truth images.
 struct DemoFrame {
   std::string name;

@@ -9,19 +9,17 @@
 namespace palpate::apps {
 namespace {
 
-using nlohmann::ordered_json;
-
-ordered_json describe_option(const CLI::Option& option) {
+Json describe_option(const CLI::Option& option) {
   std::vector<std::string> names;
   for (const std::string& name : option.get_snames()) names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) names.push_back("--" + name);
   if (option.get_positional()) names = {option.get_name(true)};
-  ordered_json described = {{"names", names},
-                            {"meaning", option.get_description()},
-                            {"group", option.get_group()},
-                            {"positional", option.get_positional()},
-                            {"required", option.get_required()},
-                            {"values", option.get_items_expected_max()}};
+  Json described = {{"names", names},
+                    {"meaning", option.get_description()},
+                    {"group", option.get_group()},
+                    {"positional", option.get_positional()},
+                    {"required", option.get_required()},
+                    {"values", option.get_items_expected_max()}};
   // A flag has a type too, that of the variable it sets.
   if (option.get_items_expected_max() > 0) described["type"] = option.get_type_name();
   if (!option.get_default_str().empty()) described["default"] = option.get_default_str();
@@ -29,7 +27,7 @@ ordered_json describe_option(const CLI::Option& option) {
 }
 
 /// A group of options is, to CLI11, a command without a name.
-void describe_options(const CLI::App& command, ordered_json& described) {
+void describe_options(const CLI::App& command, Json& described) {
   for (const CLI::Option* option : command.get_options()) {
     if (!option->get_group().empty()) described.push_back(describe_option(*option));
   }
@@ -40,11 +38,10 @@ void describe_options(const CLI::App& command, ordered_json& described) {
 
 }  // namespace
 
-ordered_json describe_commands(const CLI::App& command) {
-  ordered_json described = {
-      {"name", command.get_name()},       {"meaning", command.get_description()},
-      {"group", command.get_group()},     {"more", command.get_footer()},
-      {"options", ordered_json::array()}, {"commands", ordered_json::array()}};
+Json describe_commands(const CLI::App& command) {
+  Json described = {{"name", command.get_name()},   {"meaning", command.get_description()},
+                    {"group", command.get_group()}, {"more", command.get_footer()},
+                    {"options", Json::array()},     {"commands", Json::array()}};
   describe_options(command, described["options"]);
   for (const CLI::App* part :
        command.get_subcommands([](const CLI::App* part) { return !part->get_name().empty(); }))

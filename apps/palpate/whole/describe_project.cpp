@@ -14,8 +14,6 @@
 
 namespace palpate::apps {
 
-namespace fs = std::filesystem;
-
 bool is_project(const std::string& text) {
   return std::ranges::any_of(project_steps(), [&](const ProjectStep& step) {
     return text.starts_with(step.name + ":") || text.find("\n" + step.name + ":") != text.npos;

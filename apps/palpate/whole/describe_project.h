@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "surfaces/describe_mesh.h"
@@ -14,10 +13,10 @@ namespace palpate::apps {
 
 /// Describes a project file.
 /// \throws FileError if it is damaged.
-[[nodiscard]] Description describe_project(const std::filesystem::path& path);
+[[nodiscard]] Description describe_project(const fs::path& path);
 
 /// Describes the record that `palpate run` keeps beside the results of a project.
 /// \throws FileError if it is none.
-[[nodiscard]] Description describe_project_record(const std::filesystem::path& path);
+[[nodiscard]] Description describe_project_record(const fs::path& path);
 
 }  // namespace palpate::apps

@@ -29,8 +29,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 Description describe_camera(const fs::path& path) {
   const sensing::CameraFile file = sensing::read_camera_file(path);
   const geometry::Camera& camera = file.camera;
@@ -126,7 +124,7 @@ Description describe_recording(const fs::path& path) {
   std::string camera;
   try {
     camera = record.head.at("camera").at("name");
-    for (const nlohmann::ordered_json& frame : record.items) {
+    for (const Json& frame : record.items) {
       taken = std::max(taken, frame.at("number").get<std::uint64_t>() + 1);
       seconds = std::max(seconds, frame.at("time_s").get<double>());
     }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
 #include "surfaces/describe_mesh.h"
 
 namespace palpate::apps {
@@ -11,14 +9,14 @@ namespace palpate::apps {
 /// Describes a file of settings (YAML): rig, camera, pattern, trained colours, response, sensor,
 /// project.
 /// \throws FileError if it is none of these, or damaged.
-[[nodiscard]] Description describe_yaml(const std::filesystem::path& path);
+[[nodiscard]] Description describe_yaml(const fs::path& path);
 
 /// Describes a table (CSV) by its header.
 /// \throws FileError if it cannot be read.
-[[nodiscard]] Description describe_csv(const std::filesystem::path& path);
+[[nodiscard]] Description describe_csv(const fs::path& path);
 
 /// Describes a record (JSON Lines) of `palpate decode`, or of `palpate capture`.
 /// \throws FileError if it is none.
-[[nodiscard]] Description describe_record(const std::filesystem::path& path);
+[[nodiscard]] Description describe_record(const fs::path& path);
 
 }  // namespace palpate::apps

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "models/fit_report.h"
-#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
@@ -30,8 +29,6 @@
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct InfoCall {
   fs::path path;
@@ -81,7 +78,7 @@ Description describe_sigma(const fs::path& path) {
 
 Description describe_reasons(const fs::path& path) {
   const sensing::ReasonImage reasons = sensing::read_reasons(path);
-  nlohmann::ordered_json pixels;
+  Json pixels;
   std::string prose;
   for (int code = 0; code < sensing::kReasonCount; ++code) {
     const auto reason = static_cast<sensing::Reason>(code);
@@ -210,8 +207,8 @@ Description describe_model(const fs::path& path) {
       friction.empty() ? std::nullopt : std::optional(geometry::error_statistics(friction).median);
   const bool is_text = is_there(path / "field.json");
   const std::uintmax_t bytes = fs::file_size(path / (is_text ? "field.json" : "field.cbor"));
-  const nlohmann::ordered_json made(model.made);
-  nlohmann::ordered_json fingerprint, offsets;
+  const Json made(model.made);
+  Json fingerprint, offsets;
   if (model.samples_fingerprint) fingerprint = *model.samples_fingerprint;
   if (model.pressing_offsets) offsets = offsets_in_figures(*model.pressing_offsets);
   const char* triangulation = geometry::to_string(model.triangulation);

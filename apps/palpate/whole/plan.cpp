@@ -34,9 +34,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 // [mm] Places at which contacts may be: closer ones, in radii of the tip, tell nothing new.
 constexpr double kLeastSpacing = 1;
 // Distances in space are rounded down by this factor.

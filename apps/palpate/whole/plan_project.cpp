@@ -13,8 +13,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 // A text of YAML in double quotes, which JSON's are.
 std::string in_quotes(const fs::path& path) { return nlohmann::json(path.string()).dump(); }
 
@@ -23,8 +21,7 @@ std::string changed_entries(probing::PlanOptions places) {
   probing::PlanOptions usual;
   places.spacing = usual.spacing;
   places.contacts = usual.contacts;
-  const nlohmann::ordered_json now = option_values(fields_of(places)),
-                               before = option_values(fields_of(usual));
+  const Json now = option_values(fields_of(places)), before = option_values(fields_of(usual));
   std::string lines;
   for (const auto& [option, value] : now.items()) {
     if (value != before.at(option))

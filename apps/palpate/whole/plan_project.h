@@ -2,20 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "palpate/haptics/plan_scene.h"
 #include "palpate/haptics/scene_requirement.h"
 #include "palpate/probing/contact_plan.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// What a project is made of.
 struct ProjectSource {
-  std::filesystem::path project, scene;  ///< the file to write, and that with the requirements
-  std::filesystem::path surface;         ///< of the object
-  std::filesystem::path specimen;        ///< a simulated object; empty: a real one
+  fs::path project, scene;      ///< the file to write, and that with the requirements
+  fs::path surface;             ///< of the object
+  fs::path specimen;            ///< a simulated object; empty: a real one
   probing::PlanOptions places;  ///< how places were chosen; their numbers are those of the plan
   double spacing = 0;           ///< [mm] smallest distance of the contacts that are planned
 };

@@ -18,9 +18,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kProjectRecord = "record of palpate run";
 // Of the record; raised when the meaning of a member changes.
 constexpr int kProjectRecordVersion = 1;

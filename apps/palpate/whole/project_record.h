@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <string>
 
@@ -18,7 +17,7 @@ class ProjectRecord {
  public:
   /// Reads the file if it is there.
   /// \throws FileError if it is not such a record.
-  explicit ProjectRecord(std::filesystem::path file);
+  explicit ProjectRecord(fs::path file);
 
   /// Null if the step was never begun.
   [[nodiscard]] const StepRecord* find(const std::string& step) const;
@@ -30,7 +29,7 @@ class ProjectRecord {
   [[nodiscard]] const std::map<std::string, StepRecord>& steps() const { return steps_; }
 
  private:
-  std::filesystem::path file_;
+  fs::path file_;
   std::map<std::string, StepRecord> steps_;
 };
 

@@ -12,14 +12,11 @@
 #include <system_error>
 
 #include "palpate/core/error.h"
-#include "shared/output_checks.h"
 #include "shared/wrong_call.h"
 #include "whole/all_commands.h"
 
 namespace palpate::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 bool has(const std::vector<std::string>& words, const std::string& word) {
   return std::ranges::find(words, word) != words.end();
@@ -348,8 +345,8 @@ std::vector<StepCall> calls_of(const fs::path& file, const Project& project,
   return calls;
 }
 
-nlohmann::ordered_json run_call(const std::vector<std::string>& words) {
-  nlohmann::ordered_json figures = nlohmann::ordered_json::object();
+Json run_call(const std::vector<std::string>& words) {
+  Json figures = Json::object();
   const Settings settings{.json = true, .quiet = false, .figures = &figures};
   CLI::App program("", "palpate");
   add_commands(program, settings);

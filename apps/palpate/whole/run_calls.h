@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -21,7 +20,7 @@ struct StepCall {
   std::vector<std::string> words = {};  ///< "mesh", "range/000000.tiff", "--tolerance=0.2", ...
   /// The call that goes on where an interrupted one has ended; empty if there is none.
   std::vector<std::string> resuming_words = {};
-  std::vector<std::filesystem::path> inputs = {}, outputs = {};
+  std::vector<fs::path> inputs = {}, outputs = {};
 };
 
 /// The calls of all sections of a project, in the order in which they are done. Each is checked as
@@ -31,16 +30,15 @@ struct StepCall {
 /// \param file for messages.
 /// \param results folder for the results, relative to that of the project; empty if it is that.
 /// \throws FileError that names the line, what is wrong in it and what would be right.
-[[nodiscard]] std::vector<StepCall> calls_of(const std::filesystem::path& file,
-                                             const Project& project,
-                                             const std::filesystem::path& results);
+[[nodiscard]] std::vector<StepCall> calls_of(const fs::path& file, const Project& project,
+                                             const fs::path& results);
 
 /// Runs the program with these words, as if they had been typed.
 /// \return the figures that it would print with --json.
 /// \throws what the command throws.
-nlohmann::ordered_json run_call(const std::vector<std::string>& words);
+Json run_call(const std::vector<std::string>& words);
 
 /// Whether a path is `folder`, or lies in it.
-[[nodiscard]] bool lies_in(const std::filesystem::path& path, const std::filesystem::path& folder);
+[[nodiscard]] bool lies_in(const fs::path& path, const fs::path& folder);
 
 }  // namespace palpate::apps

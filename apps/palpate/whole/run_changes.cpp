@@ -16,7 +16,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 bool counts(const fs::path& file) { return !is_hidden(file) && file.extension() != ".jsonl"; }

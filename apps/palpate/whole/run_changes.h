@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -30,7 +30,7 @@ struct StepRecord {
   std::vector<std::string> writes = {};  ///< the files and folders that it was to write
   Fingerprints outputs = {};             ///< what it has written; empty while it is at work
   double seconds = 0;
-  nlohmann::ordered_json figures = nlohmann::ordered_json::object();
+  Json figures = Json::object();
 };
 
 /// Texts as they come back from a JSON file, which is UTF-8; names of files need not be.
@@ -39,7 +39,7 @@ struct StepRecord {
 /// Reads files, and all files in folders. Hidden files and records (.jsonl), which hold times, do
 /// not count. Beside a range map, what its command reads too: the rig, and the files that `palpate
 /// decode` writes for the same frame. Paths that do not exist are left out.
-[[nodiscard]] Fingerprints fingerprints_of(const std::vector<std::filesystem::path>& paths);
+[[nodiscard]] Fingerprints fingerprints_of(const std::vector<fs::path>& paths);
 
 /// Why a step is to be done that was done, or begun, before: in words, the most important first;
 /// empty if nothing has changed.

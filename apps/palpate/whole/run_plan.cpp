@@ -12,8 +12,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// "rig.yaml changed, and 3 more changes"
 std::string changes_in_words(const std::vector<std::string>& changes) {
   const std::size_t more = changes.size() - 1;

@@ -4,14 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string figure_of_mesh(const Json& figures) {
   if (!figures.contains("triangles")) return fmt::format("{} meshes", figures.at("meshes").dump());

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/aliases.h"
+
 namespace palpate::apps {
 
 /// An entry that a step has if its section does not give it: what an earlier step makes.
@@ -36,7 +38,7 @@ struct ProjectStep {
   /// The output holds measurements, which are never replaced; 'probe resume' goes on with them.
   bool measures = false;
   /// The figure to print of what the command says with --json.
-  std::string (*main_figure)(const nlohmann::ordered_json& figures) = nullptr;
+  std::string (*main_figure)(const Json& figures) = nullptr;
 };
 
 /// All steps, in the order in which they are done.

@@ -28,9 +28,6 @@
 namespace palpate::apps {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 struct TradeCall {
   TradeData data;
   fs::path output;

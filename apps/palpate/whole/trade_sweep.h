@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -14,7 +14,7 @@ namespace palpate::apps {
 struct TradeData {
   enum class Kind { acquisition, model, mesh };
   Kind kind = Kind::mesh;
-  std::filesystem::path file, surface, queries, trajectory;
+  fs::path file, surface, queries, trajectory;
   std::optional<int> strokes = {};  ///< of `reduce`
 };
 
@@ -40,7 +40,7 @@ struct Trade {
 /// \param work an empty folder for what they write.
 /// \param told called with each point when it is there.
 /// \throws InvalidInput if `fit` with its defaults fails, or whatever is tried.
-[[nodiscard]] Trade try_settings(const TradeData& data, const std::filesystem::path& work,
+[[nodiscard]] Trade try_settings(const TradeData& data, const fs::path& work,
                                  const std::function<void(const Trade& trade)>& told);
 
 }  // namespace palpate::apps

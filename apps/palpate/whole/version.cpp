@@ -10,6 +10,7 @@
 #include <opencv2/core/version.hpp>
 
 #include "commit.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -17,7 +18,7 @@ std::string version_text(bool json) {
   const std::string eigen =
       fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
   if (json) {
-    const nlohmann::ordered_json figures = {
+    const Json figures = {
         {"version", PALPATE_VERSION},   {"commit", PALPATE_COMMIT}, {"licence", PALPATE_LICENCE},
         {"compiler", PALPATE_COMPILER}, {"eigen", eigen},           {"opencv", CV_VERSION}};
     return figures.dump(2);

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+namespace palpate::apps {
+
+namespace fs = std::filesystem;
+
+/// Its members stay in the order in which they were added.
+using Json = nlohmann::ordered_json;
+
+}  // namespace palpate::apps
