@@ -13,7 +13,6 @@
 #include "palpate/haptics/trajectory_file.h"
 #include "palpate/probing/acquisition_store.h"
 #include "range_view.h"
-#include "shared/play_friction.h"
 #include "shared/played_model.h"
 #include "view_call.h"
 

@@ -1,24 +1,35 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "export/animation.h"
 #include "export/export_page.h"
-#include "export/material_files.h"
 #include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/geometry/mesh_animation.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/haptics/model_io.h"
+#include "palpate/probing/material_text.h"
+#include "palpate/probing/simulator_files.h"
+#include "palpate/probing/specimen_file.h"
+#include "shared/aliases.h"
 #include "shared/call_checks.h"
-#include "shared/color_picture.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
+#include "shared/progress.h"
+#include "shared/surface_colors.h"
 #include "surfaces/mesh_steps.h"
+#include "surfaces/motion_sequence.h"
+#include "surfaces/track_record.h"
 
 namespace palpate::apps {
 namespace {
@@ -33,6 +44,111 @@ struct ExportCall {
   std::string material;        ///< a simulator
   std::optional<double> rate;  ///< [Hz] of an animation
 };
+
+/// [Hz] Pages begin to play at this rate too.
+constexpr double kUsualRate = 5;
+
+geometry::MeshAnimation read_animation(const std::vector<MotionFrame>& frames, double rate,
+                                       const geometry::ReadOptions& options) {
+  geometry::MeshAnimation animation;
+  Progress progress("reading");
+  for (const MotionFrame& frame : frames) {
+    if (animation.times.empty()) {
+      animation.first = geometry::read_mesh_file(frame.file, options);
+    } else {
+      const geometry::TriangleMesh& first = animation.first.mesh;
+      const geometry::MeshFile mesh = read_motion_frame(frame.file, first, options);
+      animation.displacements.emplace_back((mesh.mesh.vertices - first.vertices).cast<float>());
+    }
+    animation.times.push_back(frame.time / rate);
+    progress.show(static_cast<int>(animation.times.size()), static_cast<int>(frames.size()));
+  }
+  return animation;
+}
+
+std::string lost_in_words(const std::vector<std::string>& lost) {
+  if (lost.empty()) return {};
+  return fmt::format(
+      ". {} of the sequence {} lost and left out ({}{}); the surface moves on between the frames "
+      "beside them",
+      lost.size() == 1 ? "1 frame" : fmt::format("{} frames", lost.size()),
+      lost.size() == 1 ? "was" : "were", lost.front(), lost.size() == 1 ? "" : ", ...");
+}
+
+/// Writes meshes with the same triangles, as `track` writes them, as one animated surface.
+/// \returns what was written, in words: frames, duration, size, and frames that `track` lost.
+std::string write_animation(const ExportCall& call) {
+  const PageCall& page = call.page;
+  const MotionSequence sequence = motion_sequence(page.input);
+  const std::optional<double> rate = frame_rate(sequence, call.rate);
+  std::vector<MotionFrame> frames;
+  for (std::size_t i = 0; i < sequence.frames.size();
+       i += static_cast<std::size_t>(page.every.value_or(1)))
+    frames.push_back(sequence.frames[i]);
+  if (frames.size() < 2) {
+    throw InvalidInput(
+        fmt::format("{}: an animation takes at least two meshes; {}", page.input.string(),
+                    sequence.frames.size() < 2
+                        ? "the folder has one. Export " + frames.front().file.string() + " alone."
+                        : fmt::format("--every takes one of {}", sequence.frames.size())));
+  }
+  const geometry::MeshAnimation animation =
+      read_animation(frames, rate.value_or(kUsualRate), page.meshes);
+  geometry::write_mesh_animation(page.output, animation);
+  return fmt::format(
+      "{} frames of {} vertices in {:.3g} s{}, {:.1f} MB{}", frames.size(),
+      animation.first.mesh.vertices.cols(), animation.times.back(),
+      rate ? "" : fmt::format(" ({:g} frames per second; --rate sets another rate)", kUsualRate),
+      static_cast<double>(fs::file_size(page.output)) * 1e-6,
+      lost_in_words(lost_frames(page.input)));
+}
+
+/// Simulators whose input `--material` writes.
+std::vector<std::string> simulators() { return {"calculix", "mujoco", "sofa"}; }
+
+std::string simulator_ending(const std::string& simulator) {
+  if (simulator == "calculix") return ".inp";
+  return simulator == "mujoco" ? ".xml" : ".scn";
+}
+
+/// Writes a solid with its material for a simulator, and the mesh that it loads beside it.
+/// \return what was written, in words.
+std::string write_material(const fs::path& input, const std::string& simulator,
+                           const fs::path& output) {
+  const std::string text = probing::read_specimen_text(input);
+  const probing::FiniteElementObject object = probing::parse_finite_elements(text, input.string());
+  fs::path mesh = output;
+  mesh += ".msh";
+  check_outputs({input, object.mesh_file}, {output, mesh});
+  if (simulator == "calculix") {
+    const std::vector<probing::KnownPress> presses = probing::parse_presses(text, input.string());
+    std::optional<probing::KnownPress> press;
+    if (!presses.empty()) press = presses.front();
+    write_file(output, [&](std::ostream& out) { write_calculix(out, object, press); });
+    if (!press)
+      return "no press to compare with; palpate identify -o writes specimen files with some";
+    return fmt::format("its last step is the press of contact {} with a measured force of {:.4g} N",
+                       press->contact, press->force.norm());
+  }
+  const std::string mesh_name = mesh.filename().string();
+  if (mesh_name.find_first_of("<&\"") != std::string::npos) {
+    throw InvalidInput(output.string() +
+                       ": the name of this file stands in XML; choose one without <, & and quotes");
+  }
+  constexpr double kMetre = 1e-3;  // of a millimetre
+  const bool mujoco = simulator == "mujoco";
+  write_file(output, [&](std::ostream& out) {
+    if (mujoco) {
+      write_mujoco(out, object, mesh_name);
+    } else {
+      write_sofa(out, object, mesh_name);
+    }
+  });
+  write_file(mesh, [&](std::ostream& out) {
+    write_linear_gmsh(out, object.body.mesh, mujoco ? kMetre : 1);
+  });
+  return "it loads " + mesh.string();
+}
 
 std::string ending_of(const ExportCall& call) {
   if (call.ply) return ".ply";
@@ -90,13 +206,7 @@ std::string write_without_page(const ExportCall& call, PageContent content) {
   }
   if (call.rate && !is_animation)
     throw InvalidInput("--rate: is for a folder of meshes that becomes an animation (--glb).");
-  if (is_animation) {
-    return write_animation({.folder = call.page.input,
-                            .output = call.page.output,
-                            .rate = call.rate,
-                            .every = call.page.every.value_or(1),
-                            .meshes = call.page.meshes});
-  }
+  if (is_animation) return write_animation(call);
   if (call.json || call.cbor) {
     write_document(call, content);
   } else {

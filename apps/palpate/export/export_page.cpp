@@ -16,7 +16,7 @@
 #include "palpate/core/output_file.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/sensing/depth_image.h"
-#include "shared/play_friction.h"
+#include "shared/played_model.h"
 
 namespace palpate::apps {
 namespace {

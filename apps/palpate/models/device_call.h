@@ -2,14 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "palpate/haptics/device_loop.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/simulated_hand.h"
 #include "palpate/haptics/virtual_coupling.h"
+#include "palpate/probing/arm.h"
 #include "shared/aliases.h"
 
 namespace palpate::apps {
@@ -46,13 +48,23 @@ constexpr const char* kHeldArm = "arm";
 /// \throws FileError unless the driver's file is there.
 void check_driver(const std::string& device);
 
-/// The settings of a device by their keys. \throws InvalidInput if one is not KEY=VALUE.
-[[nodiscard]] std::map<std::string, std::string> device_settings(const DeviceCall& call);
-
 /// The settings of a simulated device. \throws InvalidInput for one that it does not have.
 [[nodiscard]] haptics::HandOptions hand_options(const DeviceCall& call);
 
 /// \throws InvalidInput if the word is neither auto, off, nor a stiffness.
 [[nodiscard]] haptics::CouplingOptions coupling_of(const std::string& word);
+
+struct OpenedDevice {
+  std::unique_ptr<probing::Arm> arm;
+  double duration = 0;  ///< [s] of its path; 0: without end
+};
+
+/// Opens the simulated device or the driver that a call names.
+/// \throws InvalidInput on settings that it does not have, or without a trajectory that it needs.
+[[nodiscard]] OpenedDevice open_device(const DeviceCall& call,
+                                       const haptics::DeviceLoopOptions& options);
+
+/// The same for drivers only.
+[[nodiscard]] OpenedDevice open_driver(const DeviceCall& call);
 
 }  // namespace palpate::apps

@@ -24,9 +24,7 @@
 #include "shared/field_options.h"
 #include "shared/model_pictures.h"
 #include "shared/output_checks.h"
-#include "shared/play_friction.h"
 #include "shared/played_model.h"
-#include "shared/step_times.h"
 #include "shared/words.h"
 
 namespace palpate::apps {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "models/opened_device.h"
+#include "models/device_call.h"
 #include "models/play_scene.h"
 #include "models/play_session.h"
 #include "palpate/core/error.h"
@@ -25,7 +25,6 @@
 #include "palpate/probing/arm_setup.h"
 #include "shared/interrupts.h"
 #include "shared/output_checks.h"
-#include "shared/play_friction.h"
 #include "shared/played_model.h"
 #include "shared/pose_file.h"
 #include "shared/words.h"

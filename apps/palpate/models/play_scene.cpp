@@ -18,7 +18,7 @@
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/error_statistics.h"
 #include "shared/output_checks.h"
-#include "shared/play_friction.h"
+#include "shared/played_model.h"
 #include "shared/words.h"
 
 namespace palpate::apps {

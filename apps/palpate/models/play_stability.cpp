@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "models/opened_device.h"
+#include "models/device_call.h"
 #include "models/play_device.h"
 #include "palpate/core/error.h"
 #include "palpate/haptics/device_stability.h"

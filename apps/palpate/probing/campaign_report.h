@@ -32,12 +32,16 @@ struct CampaignReport {
   std::optional<ArmSession> session;             ///< none without a record
 };
 
-/// The parts of its page, one heading each; their pictures go into the folder.
-void add_summary(ReportPage& page, const CampaignReport& input);
-void add_time_line(ReportPage& page, const fs::path& folder, const CampaignReport& input);
-void add_displacements(ReportPage& page, const fs::path& folder, const CampaignReport& input);
-void add_samples(ReportPage& page, const fs::path& folder, const CampaignReport& input);
-void add_errors(ReportPage& page, const fs::path& folder, const CampaignReport& input);
-void add_contact_table(ReportPage& page, const CampaignReport& input);
+/// Reads a campaign, the model that was fitted to it, and known forces.
+/// \param queries may be empty: no forces are known.
+/// \param record of the arm that performed the campaign; may be empty.
+/// \throws FileError, or InvalidInput if there is no trial, or the model or the record is of another
+/// campaign.
+[[nodiscard]] CampaignReport read_report(const fs::path& store, const fs::path& model,
+                                         const fs::path& queries, const fs::path& record = {});
+
+/// Writes a page with tables and pictures, `index.html`, and its pictures into a folder.
+/// \throws OutputError if it cannot be written, InvalidInput if it holds other files.
+void write_report(const fs::path& folder, const CampaignReport& report);
 
 }  // namespace palpate::apps

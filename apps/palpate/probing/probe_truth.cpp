@@ -15,7 +15,6 @@
 #include "palpate/probing/csv.h"
 #include "palpate/probing/specimen_file.h"
 #include "probing/probe.h"
-#include "probing/probe_truth.h"
 #include "shared/call_checks.h"
 #include "shared/field_options.h"
 #include "shared/output_checks.h"

@@ -6,6 +6,8 @@
 
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/depth_recording.h"
+#include "shared/inputs.h"
 
 namespace palpate::apps {
 
@@ -20,5 +22,38 @@ namespace palpate::apps {
 /// \param color as above, or empty for none
 [[nodiscard]] geometry::PointCloud organised_cloud(const geometry::RangeMap& map,
                                                    const cv::Mat& color);
+
+/// The picture that `decode --surface-color` writes beside a range map.
+[[nodiscard]] fs::path color_beside(const fs::path& range_map);
+
+/// Colours of the vertices of a range map's mesh, from the picture that `decode --surface-color`
+/// has written beside the range map.
+/// \param vertices 3 x V [mm], camera frame
+/// \throws FileError if the picture is missing, or has not the size of the range map.
+[[nodiscard]] geometry::Attributes colors_beside(const fs::path& range_map,
+                                                 const Eigen::Matrix3Xd& vertices,
+                                                 const MapCamera& camera);
+
+/// The picture of a range map NAME in a folder: NAME_color.png, as `decode --surface-color` writes
+/// it, or NAME.png, NAME.jpg or NAME.tiff, which is not the range map itself; or, if the folder
+/// belongs to a recording (`is_depth_recording`), the picture that was taken with the depth image.
+/// \throws FileError if there is none.
+[[nodiscard]] fs::path picture_of(const fs::path& folder, const fs::path& range_map,
+                                  sensing::DepthRecordings& recordings);
+
+/// Colours of the vertices of a range map's mesh, from its picture in a folder.
+/// \param vertices 3 x V [mm], camera frame
+/// \throws FileError if there is none, or if it has not 8 bit or not the size of the range map.
+[[nodiscard]] geometry::Attributes colors_in(const fs::path& folder, const fs::path& range_map,
+                                             const Eigen::Matrix3Xd& vertices,
+                                             const geometry::Camera& camera,
+                                             sensing::DepthRecordings& recordings);
+
+/// Intensities of a range map's pixels, from its picture in a folder: of colours, the mean of the
+/// channels.
+/// \throws FileError if there is none, or if it has not the size of the range map.
+[[nodiscard]] geometry::ImageF intensities_in(const fs::path& folder, const fs::path& range_map,
+                                              const geometry::Camera& camera,
+                                              sensing::DepthRecordings& recordings);
 
 }  // namespace palpate::apps

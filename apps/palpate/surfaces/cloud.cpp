@@ -17,13 +17,12 @@
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/cloud_selection.h"
 #include "shared/call_checks.h"
-#include "shared/color_picture.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
-#include "surfaces/cloud_range_map.h"
+#include "shared/surface_colors.h"
 #include "surfaces/cloud_steps.h"
-#include "surfaces/describe_cloud.h"
+#include "surfaces/describe_mesh.h"
 
 namespace palpate::apps {
 namespace {

@@ -11,7 +11,6 @@
 #include "palpate/geometry/cloud_shapes.h"
 #include "shared/progress.h"
 #include "shared/words.h"
-#include "surfaces/cloud_step_notes.h"
 #include "surfaces/cloud_steps.h"
 
 namespace palpate::apps {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/cloud_outliers.h"
@@ -13,7 +14,6 @@
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "shared/progress.h"
-#include "surfaces/cloud_step_notes.h"
 
 namespace palpate::apps {
 namespace {
@@ -116,6 +116,35 @@ void measure_from_cloud(WorkedCloud& worked, const fs::path& reference,
   note_distances(worked, "from-cloud", reference,
                  geometry::distances_to_cloud(worked.cloud.points, other.cloud.points,
                                               shown_as("measuring distances")));
+}
+
+Eigen::Index known_count(const geometry::PointCloud& cloud) {
+  Eigen::Index known = 0;
+  for (const auto& point : cloud.points.colwise()) known += point.allFinite() ? 1 : 0;
+  return known;
+}
+
+void note_step(WorkedCloud& worked, const std::string& name, Eigen::Index known_before,
+               const Json& figures, const std::string& words) {
+  const Eigen::Index known = known_count(worked.cloud);
+  Json note = {{"step", name}, {"known", known}, {"removed", known_before - known}};
+  note.update(figures);
+  worked.steps.push_back(std::move(note));
+  worked.prose += known == known_before ? fmt::format("{}: {}\n", name, words)
+                                        : fmt::format("{}: {} of {} points left, {}\n", name, known,
+                                                      known_before, words);
+}
+
+void keep_only(WorkedCloud& worked, const std::string& name, const std::vector<int>& kept,
+               const std::string& words) {
+  const Eigen::Index before = known_count(worked.cloud);
+  if (kept.empty())
+    throw InvalidInput(fmt::format("--{}: none of the {} points is {}, so nothing would be left",
+                                   name, before, words));
+  worked.cloud = worked.cloud.height > 1 ? geometry::with_only(worked.cloud, kept)
+                                         : geometry::selected(worked.cloud, kept);
+  worked.found_what.clear();
+  note_step(worked, name, before, Json::object(), words);
 }
 
 }  // namespace palpate::apps

@@ -41,6 +41,18 @@ struct WorkedCloud {
 /// \throws FileError or InvalidInput.
 [[nodiscard]] WorkedCloud load_cloud(const std::vector<fs::path>& inputs, CloudSettings& settings);
 
+/// Writes an organised cloud as a range map NAME.tiff, its colours, if it has some, as
+/// NAME_color.png, and its camera as the rig.yaml of the folder, unless it is there.
+/// \param camera that of the cloud. Without it, that of the rig.yaml in the folder or, if there is
+/// none, the one without lens distortion that fits the points.
+/// \returns what became of the camera, in words.
+/// \throws InvalidInput if the cloud is not organised, no camera sees each point at its pixel, or
+/// the rig.yaml in the folder is that of another camera. Nothing is written then.
+/// \throws OutputError.
+[[nodiscard]] std::string write_as_range_map(const fs::path& path,
+                                             const geometry::PointCloud& cloud,
+                                             const std::optional<geometry::Camera>& camera);
+
 // The steps. Each throws InvalidInput if it would leave no point. An organised cloud stays so where
 // points are only removed.
 void crop(WorkedCloud& worked, const Eigen::AlignedBox3d& box);
@@ -68,5 +80,21 @@ void remove_found(WorkedCloud& worked);
 
 /// Points with finite coordinates.
 [[nodiscard]] Eigen::Index known_count(const geometry::PointCloud& cloud);
+
+/// The attributes that say of what shape or cluster a point is.
+inline constexpr const char* kShapeAttribute = "shape";
+inline constexpr const char* kClusterAttribute = "cluster";
+
+/// Notes what a step did.
+/// \param name of its option
+/// \param known_before points that were known before it
+void note_step(WorkedCloud& worked, const std::string& name, Eigen::Index known_before,
+               const Json& figures, const std::string& words);
+
+/// Keeps some points, as a step of this name. An organised cloud stays so.
+/// \param words what the kept points have in common
+/// \throws InvalidInput if there are none.
+void keep_only(WorkedCloud& worked, const std::string& name, const std::vector<int>& kept,
+               const std::string& words);
 
 }  // namespace palpate::apps

@@ -21,4 +21,11 @@ struct Description {
 /// \throws FileError if it can be read as neither, even a defective mesh.
 [[nodiscard]] Description describe_mesh(const fs::path& path, geometry::ReadOptions options);
 
+/// Checks that coordinates are such that functions on clouds accept them.
+/// \throws InvalidInput naming the file and the point.
+void check_coordinates(const fs::path& path, const geometry::PointCloud& cloud);
+
+/// Describes points: how many, where, how far from each other, and what is known of each.
+[[nodiscard]] Description describe_cloud(const geometry::PointCloud& cloud);
+
 }  // namespace palpate::apps

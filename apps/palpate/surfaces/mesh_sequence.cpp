@@ -13,12 +13,12 @@
 #include "palpate/core/file_names.h"
 #include "palpate/core/work_in_order.h"
 #include "shards/shard_run.h"
-#include "shared/color_picture.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "shared/result_folder.h"
+#include "shared/surface_colors.h"
 
 namespace palpate::apps {
 namespace {

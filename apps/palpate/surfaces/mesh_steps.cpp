@@ -23,8 +23,8 @@
 #include "palpate/geometry/self_intersections.h"
 #include "palpate/geometry/smoothing.h"
 #include "palpate/geometry/surface_query.h"
-#include "shared/color_picture.h"
 #include "shared/command_line.h"
+#include "shared/surface_colors.h"
 
 namespace palpate::apps {
 namespace {

@@ -5,14 +5,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <vector>
+#include <optional>
 
+#include "palpate/core/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/pictures/draw_distances.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
-#include "surfaces/node_motions_file.h"
 
 namespace palpate::apps {
 namespace {
@@ -42,6 +42,34 @@ void draw(const TrackOutputs& outputs, const fs::path& range_map, const Eigen::M
        .subtitle =
            fmt::format("root mean square {:.3f} mm; grey was not measured", found.figures.rms),
        .limit = std::max(error.p95, kLeastScale)});
+}
+
+constexpr Eigen::Index kRows = 3, kCols = 4;
+
+std::string entry_name(Eigen::Index row, Eigen::Index col) {
+  return fmt::format("m{}{}", row, col);
+}
+
+/// Writes the nodes of a deformation graph where their motions put them, as points (.ply), each
+/// with its motion: columns of the 3 x 4 matrix are the properties m00, m10, m20, m01, ..., m23.
+/// What is read back has the same bits.
+void write_node_motions(const fs::path& path, const geometry::DeformationGraph& graph,
+                        const std::vector<Eigen::Isometry3d>& motions) {
+  geometry::PointCloud cloud;
+  cloud.points = graph.nodes();
+  cloud.width = cloud.points.cols();
+  for (Eigen::Index i = 0; i < cloud.width; ++i)
+    cloud.points.col(i) = motions[static_cast<std::size_t>(i)] * cloud.points.col(i);
+  for (Eigen::Index col = 0; col < kCols; ++col) {
+    for (Eigen::Index row = 0; row < kRows; ++row) {
+      std::vector<double> values;
+      values.reserve(motions.size());
+      for (const Eigen::Isometry3d& motion : motions) values.push_back(motion.matrix()(row, col));
+      cloud.attributes.push_back(
+          {.name = entry_name(row, col), .values = std::move(values), .list_sizes = {}});
+    }
+  }
+  geometry::write_point_cloud(path, cloud);
 }
 
 }  // namespace
@@ -80,6 +108,31 @@ void write_outputs(const TrackOutputs& outputs, const fs::path& range_map,
   if (outputs.pictures) draw(outputs, range_map, triangles, found);
   write_node_motions(nodes_file(outputs, range_map), graph, found.surface.node_motions);
   geometry::write_mesh_file(mesh_file(outputs, range_map), mesh);
+}
+
+std::vector<Eigen::Isometry3d> read_node_motions(const fs::path& path, Eigen::Index nodes) {
+  const geometry::PointCloud cloud = geometry::read_point_cloud(path);
+  if (cloud.points.cols() != nodes) {
+    throw FileError(fmt::format("{}: holds the motions of {} nodes; expected those of {} nodes.",
+                                path.string(), cloud.points.cols(), nodes));
+  }
+  std::vector<Eigen::Isometry3d> motions(static_cast<std::size_t>(nodes),
+                                         Eigen::Isometry3d::Identity());
+  for (Eigen::Index col = 0; col < kCols; ++col) {
+    for (Eigen::Index row = 0; row < kRows; ++row) {
+      const std::optional<Eigen::VectorXd> values =
+          geometry::scalars(cloud.attributes, entry_name(row, col));
+      if (!values || !values->allFinite()) {
+        throw FileError(
+            fmt::format("{}: property {} is missing or not finite; expected the motion "
+                        "of each node as palpate track writes it.",
+                        path.string(), entry_name(row, col)));
+      }
+      for (Eigen::Index i = 0; i < nodes; ++i)
+        motions[static_cast<std::size_t>(i)].matrix()(row, col) = (*values)[i];
+    }
+  }
+  return motions;
 }
 
 }  // namespace palpate::apps

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
+#include <vector>
 
 #include "palpate/geometry/attribute.h"
 #include "palpate/geometry/deformation_graph.h"
 #include "palpate/geometry/surface_tracker.h"
+#include "shared/aliases.h"
 #include "surfaces/track_record.h"
 
 namespace palpate::apps {
@@ -33,5 +36,10 @@ struct TrackOutputs {
 void write_outputs(const TrackOutputs& outputs, const fs::path& range_map,
                    const geometry::Attributes& colors, const geometry::DeformationGraph& graph,
                    const geometry::TrackedSurface& found);
+
+/// Reads how the nodes moved from such a file, a motion for each of `nodes`.
+/// \throws FileError if the file is missing or broken, or holds the motions of another graph.
+[[nodiscard]] std::vector<Eigen::Isometry3d> read_node_motions(const fs::path& path,
+                                                               Eigen::Index nodes);
 
 }  // namespace palpate::apps

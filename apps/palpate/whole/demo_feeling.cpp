@@ -18,8 +18,8 @@
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/csv.h"
 #include "shared/model_pictures.h"
+#include "shared/played_model.h"
 #include "shared/progress.h"
-#include "shared/step_times.h"
 
 namespace palpate::apps {
 namespace {

@@ -11,9 +11,9 @@
 #include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/specimen_file.h"
+#include "probing/campaign_report.h"
+#include "probing/probe.h"
 #include "probing/probe_campaign.h"
-#include "probing/probe_report.h"
-#include "probing/probe_truth.h"
 #include "whole/demo.h"
 
 namespace palpate::apps {

@@ -3,13 +3,13 @@
 #include "whole/describe_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -22,9 +22,11 @@
 #include "palpate/sensing/virtual_sensor.h"
 #include "seeing/capture_files.h"
 #include "seeing/decode_record.h"
+#include "shared/project_file.h"
 #include "shared/run_record.h"
 #include "shared/words.h"
-#include "whole/describe_project.h"
+#include "whole/project_record.h"
+#include "whole/run_steps.h"
 
 namespace palpate::apps {
 namespace {
@@ -139,6 +141,21 @@ Description describe_recording(const fs::path& path) {
                       camera, lost == 0 ? "none" : std::to_string(lost))};
 }
 
+/// Whether the text of a YAML file has a section of a project.
+bool is_project(const std::string& text) {
+  return std::ranges::any_of(project_steps(), [&](const ProjectStep& step) {
+    return text.starts_with(step.name + ":") || text.find("\n" + step.name + ":") != text.npos;
+  });
+}
+
+Description describe_project(const fs::path& path) {
+  std::vector<std::string> names;
+  for (const ProjectSection& section : read_project(path).sections) names.push_back(section.name);
+  return {{{"kind", "project"}, {"steps", names}},
+          fmt::format("project of {} steps: {}; 'palpate run --dry-run' says which are to be done",
+                      names.size(), fmt::join(names, ", "))};
+}
+
 }  // namespace
 
 Description describe_record(const fs::path& path) {
@@ -184,6 +201,16 @@ Description describe_csv(const fs::path& path) {
   }
   return {{{"kind", "table"}, {"rows", lines - 1}},
           fmt::format("a table unknown to Palpate, {} rows: {}", lines - 1, header)};
+}
+
+Description describe_project_record(const fs::path& path) {
+  std::vector<std::string> done, begun;
+  const ProjectRecord record(path);
+  for (const auto& [name, step] : record.steps())
+    (step.state == StepState::done ? done : begun).push_back(name);
+  std::string prose = fmt::format("record of palpate run; done: {}", fmt::join(done, ", "));
+  if (!begun.empty()) prose += fmt::format("; begun: {}", fmt::join(begun, ", "));
+  return {{{"kind", "record of run"}, {"steps", done}}, prose};
 }
 
 }  // namespace palpate::apps

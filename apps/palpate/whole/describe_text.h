@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "surfaces/describe_mesh.h"
 
 namespace palpate::apps {
@@ -18,5 +20,9 @@ namespace palpate::apps {
 /// Describes a record (JSON Lines) of `palpate decode`, or of `palpate capture`.
 /// \throws FileError if it is none.
 [[nodiscard]] Description describe_record(const fs::path& path);
+
+/// Describes the record that `palpate run` keeps beside the results of a project.
+/// \throws FileError if it is none.
+[[nodiscard]] Description describe_project_record(const fs::path& path);
 
 }  // namespace palpate::apps

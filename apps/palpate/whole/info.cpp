@@ -23,7 +23,6 @@
 #include "shared/inputs.h"
 #include "shared/words.h"
 #include "surfaces/describe_mesh.h"
-#include "whole/describe_project.h"
 #include "whole/describe_text.h"
 #include "whole/project_record.h"
 

@@ -3,14 +3,39 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
-#include "whole/run_changes.h"
+#include "shared/aliases.h"
 
 namespace palpate::apps {
 
 /// Ending of the record of a project: that of project.yaml is project.run.
 constexpr const char* kProjectRecordEnding = ".run";
+
+/// The content of files, by their paths.
+using Fingerprints = std::map<std::string, std::string>;
+
+/// How far a step is.
+enum class StepState {
+  begun,   ///< and killed, if it is not at work
+  failed,  ///< or interrupted: what it has written is known
+  done,
+};
+
+/// What `palpate run` knows of a step that it has done, or has begun.
+// NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
+struct StepRecord {
+  StepState state = StepState::begun;
+  std::string version = {};              ///< of palpate
+  nlohmann::json entries = {};           ///< as in `StepCall`
+  Fingerprints inputs = {};              ///< before it began
+  std::vector<std::string> writes = {};  ///< the files and folders that it was to write
+  Fingerprints outputs = {};             ///< what it has written; empty while it is at work
+  double seconds = 0;
+  Json figures = Json::object();
+};
 
 /// What `palpate run` knows of all steps of a project: a JSON file beside its results.
 class ProjectRecord {

@@ -3,14 +3,94 @@
 #include "whole/run_plan.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_names.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
 
 namespace palpate::apps {
 namespace {
+
+using nlohmann::json;
+
+/// Texts as they come back from a JSON file, which is UTF-8; names of files need not be.
+json in_utf8(const json& texts) {
+  return json::parse(texts.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+bool counts(const fs::path& file) { return !is_hidden(file) && file.extension() != ".jsonl"; }
+
+void add_file(const fs::path& file, Fingerprints& files) {
+  files[in_utf8(file.generic_string())] = fingerprint(file);
+}
+
+void add_folder(const fs::path& folder, Fingerprints& files) {
+  for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator();
+       ++at) {
+    if (at->is_directory()) {
+      if (is_hidden(at->path())) at.disable_recursion_pending();
+    } else if (at->is_regular_file() && counts(at->path())) {
+      add_file(at->path(), files);
+    }
+  }
+}
+
+/// What is read with a range map.
+std::vector<fs::path> files_beside(const fs::path& file) {
+  if (!is_range_map(file)) return {};
+  std::vector<fs::path> beside = {file.parent_path() / "rig.yaml"};
+  for (const char* ending : {"_sigma.tiff", "_noise.tiff", "_reasons.tiff", "_color.png"})
+    beside.push_back(file.parent_path() / (file.stem().string() + ending));
+  return beside;
+}
+
+/// "0.2", or "0.2, 0.3" of several.
+std::string values_in_words(const json& values) {
+  std::vector<std::string> words;
+  for (const json& given : values)
+    for (const json& word : given) words.push_back(word.get<std::string>());
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+void compare_entries(const json& before, const json& now, std::vector<std::string>& changes) {
+  for (const auto& [name, values] : now.items()) {
+    if (!before.contains(name))
+      changes.push_back(name + " is new");
+    else if (before[name] != values)
+      changes.push_back(fmt::format("{} was {}, is {}", name, values_in_words(before[name]),
+                                    values_in_words(values)));
+  }
+  for (const auto& [name, values] : before.items())
+    if (!now.contains(name)) changes.push_back(name + " is left out");
+}
+
+void compare_files(const Fingerprints& before, const Fingerprints& now,
+                   std::vector<std::string>& changes) {
+  for (const auto& [path, content] : now) {
+    const auto earlier = before.find(path);
+    if (earlier == before.end())
+      changes.push_back(path + " is new");
+    else if (earlier->second != content)
+      changes.push_back(path + " changed");
+  }
+  for (const auto& [path, content] : before)
+    if (!now.contains(path)) changes.push_back(path + " is gone");
+}
+
+/// What a step is done with.
+std::vector<std::string> causes(const StepRecord& before, const StepRecord& now) {
+  std::vector<std::string> changes;
+  if (before.version != now.version)
+    changes.push_back(fmt::format("palpate was {}, is {}", before.version, now.version));
+  compare_entries(before.entries, now.entries, changes);
+  compare_files(before.inputs, now.inputs, changes);
+  return changes;
+}
 
 /// "rig.yaml changed, and 3 more changes"
 std::string changes_in_words(const std::vector<std::string>& changes) {
@@ -58,6 +138,62 @@ void forget(Fingerprints& inputs, const StepCall& writer) {
 }
 
 }  // namespace
+
+Fingerprints fingerprints_of(const std::vector<fs::path>& paths) {
+  Fingerprints files;
+  for (const fs::path& path : paths) {
+    if (!is_there(path)) continue;
+    if (is_folder(path)) {
+      add_folder(path, files);
+      continue;
+    }
+    add_file(path, files);
+    for (const fs::path& beside : files_beside(path))
+      if (is_there(beside)) add_file(beside, files);
+  }
+  return files;
+}
+
+std::vector<std::string> changes_since(const StepRecord& before, const StepRecord& now,
+                                       const Fingerprints& there) {
+  std::vector<std::string> changes = causes(before, now);
+  if (before.state != StepState::done) {
+    changes.insert(changes.begin(), "it did not finish");
+    return changes;
+  }
+  for (const auto& [path, content] : before.outputs) {
+    const auto found = there.find(path);
+    if (found == there.end())
+      changes.push_back(path + " is missing");
+    else if (found->second != content)
+      changes.push_back(path + " is not as it was written");
+  }
+  return changes;
+}
+
+bool can_be_resumed(const StepRecord& before, const StepRecord& now) {
+  return before.state != StepState::done && causes(before, now).empty();
+}
+
+void check_own(const std::string& step, const StepRecord* before, const Fingerprints& there) {
+  const auto refuse = [&](const std::string& path, const char* reason) {
+    throw InvalidInput(fmt::format(
+        "{}: {}, and step '{}' would replace it. Nothing was changed. Rename it, and name it in "
+        "the sections that are to read it; or remove it, to have it made again.",
+        path, reason, step));
+  };
+  const auto is_being_written = [&](const std::string& path) {
+    return before != nullptr && before->state == StepState::begun &&
+           std::ranges::any_of(before->writes,
+                               [&](const std::string& output) { return lies_in(path, output); });
+  };
+  for (const auto& [path, content] : there) {
+    if (is_being_written(path)) continue;
+    if (before == nullptr || !before->outputs.contains(path))
+      refuse(path, "is there, but palpate run did not write it");
+    if (before->outputs.at(path) != content) refuse(path, "was changed after palpate run wrote it");
+  }
+}
 
 StepRecord now_of(const StepCall& call) {
   StepRecord now{.version = PALPATE_VERSION,

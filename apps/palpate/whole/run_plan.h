@@ -7,9 +7,29 @@
 
 #include "whole/project_record.h"
 #include "whole/run_calls.h"
-#include "whole/run_changes.h"
 
 namespace palpate::apps {
+
+/// Reads files, and all files in folders. Hidden files and records (.jsonl), which hold times, do
+/// not count. Beside a range map, what its command reads too: the rig, and the files that `palpate
+/// decode` writes for the same frame. Paths that do not exist are left out.
+[[nodiscard]] Fingerprints fingerprints_of(const std::vector<fs::path>& paths);
+
+/// Why a step is to be done that was done, or begun, before: in words, the most important first;
+/// empty if nothing has changed.
+/// \param now what it would be done with.
+/// \param there its outputs that exist.
+[[nodiscard]] std::vector<std::string> changes_since(const StepRecord& before,
+                                                     const StepRecord& now,
+                                                     const Fingerprints& there);
+
+/// Whether nothing has changed since a step began that is not done.
+[[nodiscard]] bool can_be_resumed(const StepRecord& before, const StepRecord& now);
+
+/// Checks that all files where a step would write are as `palpate run` has left them.
+/// \param before null if the step was never begun.
+/// \throws InvalidInput that names the first that is not, and what to do.
+void check_own(const std::string& step, const StepRecord* before, const Fingerprints& there);
 
 /// Whether a step is to be done.
 enum class StepNeed {
