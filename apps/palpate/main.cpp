@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
@@ -40,8 +39,7 @@ int run(int argc, char** argv) {
   app.set_version_flag(
       "--version", [&settings] { return version_text(settings.json); },
       "Print version, commit, licence, compiler and libraries");
-  app.add_option("--threads", threads, "Number of threads (default: all cores)")
-      ->check(within(above(0)))
+  add_number(app, "--threads", threads, above(0), "Number of threads (default: all cores)")
       ->group(kSharedOptions);
   CLI::Option* verbose = app.add_flag("-v", verbosity, "Print what is being done; -vv prints more")
                              ->group(kSharedOptions);

@@ -275,34 +275,26 @@ void add_export(CLI::App& app, const Settings& settings) {
       "--html", call->html,
       "A page, one file for any browser: a model to press and to drag on, range maps in "
       "false colour and in space, or meshes");
-  format
-      ->add_option("--material", call->material,
-                   "The solid of a specimen file, with its material, for a simulator: calculix, "
-                   "mujoco or sofa")
-      ->check(one_of(simulators()));
+  add_word(*format, "--material", call->material, simulators(),
+           "The solid of a specimen file, with its material, for a simulator: calculix, "
+           "mujoco or sofa");
   format->require_option(1);
   command
       ->add_flag("--color", call->color,
                  "Colour the surface of a range map by the picture that palpate decode "
                  "--surface-color has written beside it")
       ->excludes("--html");
-  command
-      ->add_option("--unknown-friction", page.unknown_friction,
-                   "Coefficient of friction of contacts where the measurements do not tell it")
-      ->check(within(at_least(0).finite()));
+  add_number(*command, "--unknown-friction", page.unknown_friction, at_least(0).finite(),
+             "Coefficient of friction of contacts where the measurements do not tell it");
   add_camera_options(*command, page.camera);
   add_unit_option(*command, page.meshes);
-  command
-      ->add_option(
-          "--every", page.every,
-          "Page of a folder of range maps or meshes, or animation: take only every Nth frame, for "
-          "sequences that are too long")
-      ->check(within(at_least(1).at_most(kMostEvery)));
-  command
-      ->add_option("--rate", call->rate,
-                   "Animation (--glb): frames per second; frames are numbered by their names "
-                   "(default: 5). Names that are times in seconds need none [Hz]")
-      ->check(within(above(0).finite()))
+  add_number(
+      *command, "--every", page.every, at_least(1).at_most(kMostEvery),
+      "Page of a folder of range maps or meshes, or animation: take only every Nth frame, for "
+      "sequences that are too long");
+  add_number(*command, "--rate", call->rate, above(0).finite(),
+             "Animation (--glb): frames per second; frames are numbered by their names "
+             "(default: 5). Names that are times in seconds need none [Hz]")
       ->excludes("--html");
   command->add_option("--title", page.title, "Title of the page (default: name of the input)");
   command->add_option(

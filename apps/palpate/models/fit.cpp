@@ -16,7 +16,6 @@
 #include "models/fit_warnings.h"
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/edge_splitting.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
@@ -286,13 +285,10 @@ void add_fit(CLI::App& app, const Settings& settings) {
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   add_fields(*command, fields_of(call->options));
-  command
-      ->add_option(
-          "--probe-radius", call->probe_radius,
-          "Radius of the ball that touched the object [mm], if the measurements do not "
-          "say it; the errors of friction depend on it, and the model keeps it for palpate play "
-          "--tool-radius")
-      ->check(within(above(0).finite()));
+  add_number(*command, "--probe-radius", call->probe_radius, above(0).finite(),
+             "Radius of the ball that touched the object [mm], if the measurements do not "
+             "say it; the errors of friction depend on it, and the model keeps it for palpate play "
+             "--tool-radius");
   command->add_flag_callback(
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },
       fmt::format("Write the document in CBOR, field.cbor; this is the default above {} contacts",

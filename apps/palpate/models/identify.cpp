@@ -15,7 +15,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/haptics/identify_solid.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/material_text.h"
@@ -268,16 +267,11 @@ void add_identify(CLI::App& app, const Settings& settings) {
       "identify", "Estimate elastic parameters of an object, with errors, from measurements");
   command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
       ->required();
-  command
-      ->add_option(
-          "--model", call->model,
-          "strip: a sheet stretched between two supports; half-space: a large elastic body")
-      ->check(one_of({"strip", "half-space"}))
+  add_word(*command, "--model", call->model, {"strip", "half-space"},
+           "strip: a sheet stretched between two supports; half-space: a large elastic body")
       ->capture_default_str();
-  command
-      ->add_option("--tool-radius", call->tool_radius,
-                   "For the half-space: radius of the tool's flat end [mm]")
-      ->check(within(above(0)));
+  add_number(*command, "--tool-radius", call->tool_radius, above(0),
+             "For the half-space: radius of the tool's flat end [mm]");
   CLI::Option* solid = command->add_option(
       "--finite-elements", call->solid,
       "Specimen file (JSON) of a solid of finite elements: shear moduli of its regions, bulk "

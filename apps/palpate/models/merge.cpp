@@ -9,7 +9,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/model_io.h"
 #include "shared/call_checks.h"

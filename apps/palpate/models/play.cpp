@@ -185,48 +185,34 @@ void add_device_options(CLI::App& command, PlayCall& call) {
                    "Run the driver in this process: faster, but if it crashes, so does the loop");
   command.add_flag("--realtime", device.real_time,
                    "On the host's clock, with real-time scheduling if that is allowed");
-  command
-      .add_option("--duration", device.duration,
-                  "Duration [s] (default: that of the trajectory; with a driver, until Ctrl-C)")
-      ->check(within(above(0).finite()));
+  add_number(command, "--duration", device.duration, above(0).finite(),
+             "Duration [s] (default: that of the trajectory; with a driver, until Ctrl-C)");
   command.add_option("--session", device.session,
                      "Record to write of all that the loop reads and commands, for --replay");
   command.add_option("--replay", call.replay, "Recompute a session and check that it is identical");
   command.add_option("--pose", device.pose,
                      "Pose of the device's frame in the model's: a file with a 3 x 4 matrix");
-  command
-      .add_option("--scale", device.scale,
-                  "Length in the model per length at the device [mm/mm] (default: as the device "
-                  "declares, or 1)")
-      ->check(within(above(0).finite()));
-  command
-      .add_option("--clutch-button", device.clutch_buttons,
-                  "Buttons (numbers from 0) that hold the tool still while they are pressed")
-      ->check(within(at_least(0).at_most(31)));
+  add_number(command, "--scale", device.scale, above(0).finite(),
+             "Length in the model per length at the device [mm/mm] (default: as the device "
+             "declares, or 1)");
+  add_number(command, "--clutch-button", device.clutch_buttons, at_least(0).at_most(31),
+             "Buttons (numbers from 0) that hold the tool still while they are pressed");
   command.add_option(
       "--coupling", device.coupling,
       "Stiffness of the virtual coupling: auto (from the device's damping and delay), off, "
       "or a number [N/mm]");
-  command
-      .add_option("--max-force", device.force, "Largest force [N]; larger ones are reduced to it")
-      ->check(within(above(0).finite()));
-  command.add_option("--slew", device.slew, "Largest growth of a force [N/s]")
-      ->check(within(above(0).finite()));
-  command
-      .add_option("--ramp", device.ramp,
-                  "Time in which the force grows after a start or a fault [s]")
-      ->check(within(above(0).finite()));
-  command
-      .add_option("--heating-time", device.heating_time,
-                  "Time constant of the motors' heat [s], which limits how long a force is above "
-                  "the continuous one that the device declares (default: 10)")
-      ->check(within(at_least(0.1).finite()));
+  add_number(command, "--max-force", device.force, above(0).finite(),
+             "Largest force [N]; larger ones are reduced to it");
+  add_number(command, "--slew", device.slew, above(0).finite(), "Largest growth of a force [N/s]");
+  add_number(command, "--ramp", device.ramp, above(0).finite(),
+             "Time in which the force grows after a start or a fault [s]");
+  add_number(command, "--heating-time", device.heating_time, at_least(0.1).finite(),
+             "Time constant of the motors' heat [s], which limits how long a force is above "
+             "the continuous one that the device declares (default: 10)");
   command.add_option("--exchange", device.exchange,
                      "Another model, which replaces the first after the time --exchange-at");
-  command
-      .add_option("--exchange-at", device.exchange_at,
-                  "Time after which --exchange replaces the model, without a pause [s]")
-      ->check(within(at_least(0).finite()))
+  add_number(command, "--exchange-at", device.exchange_at, at_least(0).finite(),
+             "Time after which --exchange replaces the model, without a pause [s]")
       ->needs("--exchange");
   command.add_flag(
       "--stability", call.stability,
@@ -255,18 +241,15 @@ void add_play(CLI::App& app, const Settings& settings) {
       "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
   add_fields(*command, fields_of(call->device.playback));
-  CLI::Option* tool_radius = command
-                                 ->add_option("--tool-radius", call->tool_radius,
-                                              "Radius of the tool, a ball [mm]. If the object was "
-                                              "measured with another radius, the command says how "
-                                              "large the errors of the forces are")
-                                 ->check(within(above(0).finite()));
-  command
-      ->add_option(
-          "--probe-radius", call->probe_radius,
-          "Radius of the ball with which the object was measured [mm], if the model does not say "
-          "it")
-      ->check(within(above(0).finite()))
+  CLI::Option* tool_radius =
+      add_number(*command, "--tool-radius", call->tool_radius, above(0).finite(),
+                 "Radius of the tool, a ball [mm]. If the object was "
+                 "measured with another radius, the command says how "
+                 "large the errors of the forces are");
+  add_number(
+      *command, "--probe-radius", call->probe_radius, above(0).finite(),
+      "Radius of the ball with which the object was measured [mm], if the model does not say "
+      "it")
       ->needs(tool_radius);
   add_device_options(*command, *call);
   command->footer(

@@ -14,7 +14,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_map.h"
@@ -207,12 +206,10 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
                   "With --onto: the model's surface mapped onto the other, with distortions as "
                   "vertex attributes (PLY)")
       ->needs(onto);
-  command
-      .add_option(
-          "--max-bad-share", call->map.max_bad_share,
-          "With --onto: reject a map that distorts areas or angles by more than a factor of 3, or "
-          "folds, in more than this share of the area")
-      ->check(within(at_least(0).at_most(1)))
+  add_number(
+      command, "--max-bad-share", call->map.max_bad_share, at_least(0).at_most(1),
+      "With --onto: reject a map that distorts areas or angles by more than a factor of 3, or "
+      "folds, in more than this share of the area")
       ->capture_default_str()
       ->needs(onto);
 }
@@ -225,9 +222,8 @@ void add_transfer(CLI::App& app, const Settings& settings) {
       app.add_subcommand("transfer", "Transfer a model to an object of another size or shape");
   command->add_option("MODEL", call->model, "Model folder")->required();
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
-  CLI::Option* by =
-      command->add_option("--scale", call->scale, "Factor for lengths, about the centre")
-          ->check(within(above(0)));
+  CLI::Option* by = add_number(*command, "--scale", call->scale, above(0),
+                               "Factor for lengths, about the centre");
   command
       ->add_option("--axis", call->axis, "With --scale: only along this direction, such as 1,0,0")
       ->expected(3)

@@ -207,15 +207,11 @@ void add_bake(CLI::App& app, const Settings& settings) {
   constexpr std::array<std::string_view, 4> kOfPlan{"spacing", "contacts", "directions",
                                                     "max_force"};
   add_fields(*command, fields_of(call->plan), kOfPlan);
-  command
-      ->add_option("--queries", call->queries.count,
-                   "Number of known forces between contacts, to compare the model with")
-      ->check(within(at_least(0)))
+  add_number(*command, "--queries", call->queries.count, at_least(0),
+             "Number of known forces between contacts, to compare the model with")
       ->capture_default_str();
-  command
-      ->add_option("--margin", call->queries.margin,
-                   "Smallest distance of these forces from the border of the surface [mm]")
-      ->check(within(at_least(0).finite()))
+  add_number(*command, "--margin", call->queries.margin, at_least(0).finite(),
+             "Smallest distance of these forces from the border of the surface [mm]")
       ->capture_default_str();
   command->add_option(
       "--acquisition", call->acquisition,

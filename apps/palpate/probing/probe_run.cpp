@@ -314,11 +314,9 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
                      "not exist: each part of a campaign has its own record");
   resume->add_option("--replay", call->arm.replay,
                      "In place of the arm: the record of this part of the campaign");
-  resume
-      ->add_option("--moved-limit", call->moved_limit,
-                   "Largest motion of the object along the normals with which a device goes on "
-                   "[mm]")
-      ->check(within(above(0).finite()))
+  add_number(*resume, "--moved-limit", call->moved_limit, above(0).finite(),
+             "Largest motion of the object along the normals with which a device goes on "
+             "[mm]")
       ->capture_default_str();
   resume->footer(
       "A device touches a few contacts again, and refuses to go on if the object has moved.\n"

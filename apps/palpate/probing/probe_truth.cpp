@@ -86,16 +86,13 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
       ->required();
   command->add_option("-o,--output", call->output, "Folder for surface.ply and queries.csv")
       ->required();
-  command->add_option("--queries", call->options.count, "Number of known forces")
-      ->check(within(at_least(0)))
+  add_number(*command, "--queries", call->options.count, at_least(0), "Number of known forces")
       ->capture_default_str();
-  command
-      ->add_option("--margin", call->options.margin,
-                   "Smallest distance of their points from the border [mm]")
-      ->check(within(at_least(0).finite()))
+  add_number(*command, "--margin", call->options.margin, at_least(0).finite(),
+             "Smallest distance of their points from the border [mm]")
       ->capture_default_str();
-  command->add_option("--max-force", call->options.max_force, "Largest of the forces [N]")
-      ->check(within(above(0.1).finite()))
+  add_number(*command, "--max-force", call->options.max_force, above(0.1).finite(),
+             "Largest of the forces [N]")
       ->capture_default_str();
   command->add_option("--seed", call->options.seed, "Seed of the random points and forces")
       ->capture_default_str();

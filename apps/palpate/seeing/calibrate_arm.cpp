@@ -281,10 +281,9 @@ void add_calibrate_arm(CLI::App& calibrate, const Settings& settings) {
       "Poses of the arm with the range map (or mesh, or points) of the ball at each, relative to "
       "this table (CSV with range_map, x, y, z [mm]; for a tip that turns also qx, qy, qz, qw)");
   ball->excludes(touches);
-  CLI::Option* radius =
-      arm->add_option("--ball-radius", call->ball_radius, "Radius of the ball [mm]")
-          ->check(within(above(0).finite()))
-          ->needs(ball);
+  CLI::Option* radius = add_number(*arm, "--ball-radius", call->ball_radius, above(0).finite(),
+                                   "Radius of the ball [mm]")
+                            ->needs(ball);
   add_camera_options(*arm, call->camera);
   arm->add_option("-o,--output", call->output,
                   "Setup of the arm (arm.json) to write; one that exists keeps its other members")

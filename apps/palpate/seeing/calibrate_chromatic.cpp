@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/sensing/chromatic_calibration.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern_image.h"
@@ -153,13 +152,10 @@ void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings) {
   command->add_option("-o,--output", call->output, "Rig file to write, with the result")
       ->required();
   CLI::Option* distances =
-      command
-          ->add_option(
-              "--distances", call->distances,
-              "Distance of each surface at the image centre [mm], accurate to about a period; "
-              "needed only if the surfaces are not plane or the rig cannot determine the period "
-              "on a plane")
-          ->check(within(above(0)));
+      add_number(*command, "--distances", call->distances, above(0),
+                 "Distance of each surface at the image centre [mm], accurate to about a period; "
+                 "needed only if the surfaces are not plane or the rig cannot determine the period "
+                 "on a plane");
   command
       ->add_option("--range", call->ranges,
                    "Range maps of the surfaces instead (from `palpate decode`), one per image")

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/pictures/draw_section.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/harmonics.h"
@@ -195,8 +194,8 @@ void add_calibrate_response(CLI::App& calibrate, const Settings& settings) {
   response->add_option("--response", call->response, "With --check: an existing response");
   response->add_option("--rig", call->rig, "With --check: rig for predicting the depth error");
   response->add_option("--pattern", call->pattern, "With --rig: the pattern");
-  response->add_option("--distance", call->distance, "With --rig: distance of the surface [mm]")
-      ->check(within(above(0)));
+  add_number(*response, "--distance", call->distance, above(0),
+             "With --rig: distance of the surface [mm]");
   response->footer(
       "Keep the exposure fixed and the brightest image below full scale. Use 16 levels or more.\n"
       "Train the colours with linearised images too: calibrate colors --response.\n"

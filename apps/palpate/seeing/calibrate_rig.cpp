@@ -12,7 +12,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/pictures/draw_residuals.h"
 #include "palpate/sensing/board_print.h"
 #include "palpate/sensing/rig_calibration.h"
@@ -215,12 +214,10 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
   add_board_options(*rig, call->board);
   rig->add_option("--projector-size", call->projector_size,
                   "Projector size [px], such as 1024x768");
-  rig->add_option(
-         "--distortion", call->options.distortion_terms,
-         "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (also p1 p2) or 5 "
-         "(also k3; needs boards that reach the corners of the image)")
-      ->capture_default_str()
-      ->check(one_of({"0", "2", "4", "5"}));
+  add_word(*rig, "--distortion", call->options.distortion_terms, {"0", "2", "4", "5"},
+           "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (also p1 p2) or 5 "
+           "(also k3; needs boards that reach the corners of the image)")
+      ->capture_default_str();
   rig->add_option("-o,--output", call->output, "Rig file to write (rig.yaml)");
   rig->add_option("--picture", call->picture, "Also draw the residuals (PNG)");
   rig->add_option("--draw", call->draw, "Only write the images to project, into this new folder");

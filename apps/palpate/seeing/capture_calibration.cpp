@@ -12,7 +12,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"
@@ -190,8 +189,7 @@ void add_capture_calibration(CLI::App& capture, const Settings& settings) {
   add_stage_options(*command, call->stage, "graycode_00.png, ... (palpate calibrate rig --draw)");
   add_board_options(*command, call->board);
   for (const char* needed : {"--board", "--square"}) command->get_option(needed)->required();
-  command->add_option("--poses", call->poses, "End after this number of poses")
-      ->check(within(at_least(1)));
+  add_number(*command, "--poses", call->poses, at_least(1), "End after this number of poses");
   command->footer(
       "Says how to hold the board, shows the Gray code, and takes one image of each, into pose_00, "
       "pose_01 and so on. A pose in which the board is not found is dropped at once. From the "

@@ -7,7 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 
@@ -19,23 +18,19 @@ void add_live_camera_options(CLI::App& command, LiveCameraCall& call) {
                   "aravis:NAME (GenICam), v4l2:NUMBER, or simulated:PATH, which plays a folder of "
                   "images or a video in a loop; palpate capture list lists the available cameras")
       ->required();
-  command.add_option("--size", call.size, "Width and height of the frames [px]")
-      ->expected(2)
-      ->check(within(at_least(2)));
-  command.add_option("--rate", call.settings.rate, "Frames per second")
-      ->check(within(above(0).finite()));
-  command.add_option("--exposure", call.settings.exposure_us, "Exposure time [us]")
-      ->check(within(above(0).finite()));
-  command.add_option("--gain", call.settings.gain, "Gain, in the camera's unit (usually dB)")
-      ->check(within(finite()));
+  add_number(command, "--size", call.size, at_least(2), "Width and height of the frames [px]")
+      ->expected(2);
+  add_number(command, "--rate", call.settings.rate, above(0).finite(), "Frames per second");
+  add_number(command, "--exposure", call.settings.exposure_us, above(0).finite(),
+             "Exposure time [us]");
+  add_number(command, "--gain", call.settings.gain, finite(),
+             "Gain, in the camera's unit (usually dB)");
   command.add_option("--pixel-format", call.settings.pixel_format,
                      "As GenICam names it, such as Mono8, BayerRG8, BayerRG12, RGB8");
-  command
-      .add_option("--patience", call.patience,
-                  "Time without a frame after which the camera counts as dead [s]; longer than "
-                  "the interval of its frames")
-      ->capture_default_str()
-      ->check(within(above(0).finite()));
+  add_number(command, "--patience", call.patience, above(0).finite(),
+             "Time without a frame after which the camera counts as dead [s]; longer than "
+             "the interval of its frames")
+      ->capture_default_str();
 }
 
 std::unique_ptr<sensing::LiveCamera> open_live_camera(const LiveCameraCall& call) {

@@ -12,7 +12,6 @@
 #include <optional>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/sensing/recording.h"
 #include "seeing/capture.h"
@@ -261,10 +260,8 @@ void add_capture_sequence(CLI::App& capture, const Settings& settings) {
       "sequence", "Record a sequence of frames; with --decode, also decode it");
   add_live_camera_options(*command, call->camera);
   command->add_option("-o,--output", call->output, "New folder for the frames")->required();
-  command->add_option("--count", call->count, "End after this number of frames")
-      ->check(within(at_least(1)));
-  command->add_option("--seconds", call->seconds, "End after this time [s]")
-      ->check(within(above(0).finite()));
+  add_number(*command, "--count", call->count, at_least(1), "End after this number of frames");
+  add_number(*command, "--seconds", call->seconds, above(0).finite(), "End after this time [s]");
   CLI::Option* decode =
       command->add_option("--decode", call->decode.output,
                           "Also decode the frames that the computer keeps up with, into this new "

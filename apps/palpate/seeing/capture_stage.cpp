@@ -12,7 +12,6 @@
 #include <thread>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/sensing/decodable.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/recording.h"
@@ -46,11 +45,9 @@ void add_stage_options(CLI::App& command, StageCall& call, const std::string& im
       .add_flag("--by-hand", call.by_hand,
                 "You show each image yourself, with another program or a slide, and press Enter")
       ->excludes(projector);
-  command
-      .add_option("--settle", call.settle_ms,
-                  "Time until an image that was handed to the projector is on the object [ms]")
-      ->capture_default_str()
-      ->check(within(at_least(0).finite()));
+  add_number(command, "--settle", call.settle_ms, at_least(0).finite(),
+             "Time until an image that was handed to the projector is on the object [ms]")
+      ->capture_default_str();
 }
 
 bool Operator::ready(const std::string& words) {

@@ -10,7 +10,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 #include "seeing/capture.h"
 #include "seeing/capture_stage.h"
@@ -144,18 +143,15 @@ void add_capture_stills(CLI::App& capture, const Settings& settings) {
       "Example:\n  palpate capture multishot aravis:Basler-21857625 --exposures 1000 4000 16000 "
       "--show multishot/ -o captures/",
       take_multishot);
-  multishot.first
-      ->add_option("--exposures", multishot.second->exposures,
-                   "Exposure times [us], for scenes with bright and dark areas")
-      ->check(within(above(0).finite()))
+  add_number(*multishot.first, "--exposures", multishot.second->exposures, above(0).finite(),
+             "Exposure times [us], for scenes with bright and dark areas")
       ->excludes("--exposure");
   const auto planes =
       add("planes", "Take the images of planes for calibrate chromatic",
           "white_sin.png (palpate pattern)",
           "Example:\n  palpate capture planes aravis:Basler-21857625 --show pattern/ -o white/",
           take_planes);
-  planes.first->add_option("--count", planes.second->planes, "Number of planes")
-      ->check(within(at_least(1)))
+  add_number(*planes.first, "--count", planes.second->planes, at_least(1), "Number of planes")
       ->capture_default_str();
 }
 

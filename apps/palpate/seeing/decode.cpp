@@ -223,25 +223,17 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--response", call->response,
       "Response of projector and camera (response.yaml): frames are linearised first");
   const std::vector<CLI::Option*> decoding = add_fields(*command, fields_of(call->options));
-  CLI::Option* bits =
-      command
-          ->add_option(
-              "--bits", call->bits,
-              "Number of bits that the camera delivers, if its frames are 16-bit files: 12 if its "
-              "largest value is 4095")
-          ->check(within(at_least(8).at_most(16)));
-  command
-      ->add_option(
-          "--bayer", call->bayer,
-          "The frames are raw mosaics of a single-chip camera: the colours of the first two "
-          "pixels, then of the two below")
-      ->check(one_of({"rggb", "bggr", "grbg", "gbrg"}));
+  CLI::Option* bits = add_number(
+      *command, "--bits", call->bits, at_least(8).at_most(16),
+      "Number of bits that the camera delivers, if its frames are 16-bit files: 12 if its "
+      "largest value is 4095");
+  add_word(*command, "--bayer", call->bayer, {"rggb", "bggr", "grbg", "gbrg"},
+           "The frames are raw mosaics of a single-chip camera: the colours of the first two "
+           "pixels, then of the two below");
   DecodeOutputs& outputs = call->outputs;
   command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
-  command
-      ->add_option("--meshes", outputs.meshes,
-                   "Also write each range map as a mesh, or (pcd) as an organised point cloud")
-      ->check(one_of({"ply", "obj", "stl", "pcd"}));
+  add_word(*command, "--meshes", outputs.meshes, {"ply", "obj", "stl", "pcd"},
+           "Also write each range map as a mesh, or (pcd) as an organised point cloud");
   command->add_flag("--surface-color", outputs.color,
                     "Also write the colour of the surface without stripes and fringes, "
                     "NNNNNN_color.png, and give it to --meshes (ply, obj, pcd)");
@@ -272,13 +264,11 @@ void add_decode(CLI::App& app, const Settings& settings) {
   CLI::Option* shard = add_shard_option(*command, call->shard);
   for (CLI::Option* other : {colors, bits, resume, force, shard}) multishot->excludes(other);
   for (CLI::Option* other : {resume, force}) shard->excludes(other);
-  command
-      ->add_option("--exposures", call->exposures,
-                   "With --multishot: how often the images of a scene follow each other, each time "
-                   "with another exposure of the camera; a pixel uses those in which it is not "
-                   "clipped")
-      ->needs(multishot)
-      ->check(within(at_least(1)));
+  add_number(*command, "--exposures", call->exposures, at_least(1),
+             "With --multishot: how often the images of a scene follow each other, each time "
+             "with another exposure of the camera; a pixel uses those in which it is not "
+             "clipped")
+      ->needs(multishot);
   command->footer(
       "Frames are numbered from 0 in the order of their file names, in which numbers count as "
       "numbers: the range map of the first frame is 000000.tiff. frames.csv lists which frame "

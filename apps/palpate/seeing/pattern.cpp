@@ -13,7 +13,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/pattern_colors.h"
@@ -243,13 +242,11 @@ void add_design_options(CLI::App& command, PatternCall& call) {
   command.add_option("--colors", call.colors,
                      "Trained colours (colors.yaml): choose the colours that the camera "
                      "distinguishes best");
-  command
-      .add_option("--distances", call.distances,
-                  "Distance of the nearest and the farthest object [mm] (default: where the views "
-                  "overlap)")
+  add_number(command, "--distances", call.distances, above(0),
+             "Distance of the nearest and the farthest object [mm] (default: where the views "
+             "overlap)")
       ->expected(2)
-      ->needs("--rig")
-      ->check(within(above(0)));
+      ->needs("--rig");
 }
 
 }  // namespace
@@ -265,12 +262,10 @@ void add_pattern(CLI::App& app, const Settings& settings) {
       ->expected(2)
       ->excludes(rig);
   add_design_options(*command, *call);
-  command
-      ->add_option("--multishot", call->multishot,
-                   "Instead of one image, draw several for a static scene: this number "
-                   "of shifted sinusoids (3 to 64), then a Gray code: shot_00.png, ... in the "
-                   "order in which to project them, for palpate decode --multishot")
-      ->check(within(at_least(3).at_most(64)))
+  add_number(*command, "--multishot", call->multishot, at_least(3).at_most(64),
+             "Instead of one image, draw several for a static scene: this number "
+             "of shifted sinusoids (3 to 64), then a Gray code: shot_00.png, ... in the "
+             "order in which to project them, for palpate decode --multishot")
       ->excludes("--colors")
       ->excludes("--stripes")
       ->excludes("--number-of-colors");
@@ -287,8 +282,8 @@ void add_pattern(CLI::App& app, const Settings& settings) {
   command->add_option("--bits", call->drawing.bits, "Bits per channel of the images")
       ->check(CLI::IsMember({8, 16}))
       ->capture_default_str();
-  command->add_option("--grey-steps", call->grey_steps, "Number of grey images for the response")
-      ->check(within(at_least(2).at_most(256)))
+  add_number(*command, "--grey-steps", call->grey_steps, at_least(2).at_most(256),
+             "Number of grey images for the response")
       ->capture_default_str();
   command->footer(
       "Writes pattern.yaml, pattern.png, rig.yaml (with --rig) and the images to project for "

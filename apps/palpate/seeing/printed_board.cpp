@@ -10,7 +10,6 @@
 #include <tuple>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "shared/call_checks.h"
 
 namespace palpate::apps {
@@ -59,15 +58,12 @@ void add_board_options(CLI::App& command, PrintedBoard& board) {
   command.add_option("--board", board.text,
                      "Inner corners of the printed chessboard, such as 7x9; or the squares of a "
                      "ChArUco board, such as charuco:8x11");
-  command.add_option("--square", board.printed.square, "Side of a square [mm]")
-      ->check(within(above(0)));
-  command.add_option("--marker", board.printed.marker, "Side of a ChArUco board's markers [mm]")
-      ->check(within(above(0)));
-  command
-      .add_option("--marker-bits", board.printed.marker_bits,
-                  "Bits along the side of such a marker: 4 for DICT_4X4, 5, 6 or 7")
-      ->capture_default_str()
-      ->check(one_of({"4", "5", "6", "7"}));
+  add_number(command, "--square", board.printed.square, above(0), "Side of a square [mm]");
+  add_number(command, "--marker", board.printed.marker, above(0),
+             "Side of a ChArUco board's markers [mm]");
+  add_word(command, "--marker-bits", board.printed.marker_bits, {"4", "5", "6", "7"},
+           "Bits along the side of such a marker: 4 for DICT_4X4, 5, 6 or 7")
+      ->capture_default_str();
 }
 
 }  // namespace palpate::apps

@@ -7,7 +7,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/core/require.h"
 #include "seeing/decode_input.h"
 #include "seeing/simulate_report.h"
 #include "seeing/simulate_shard.h"
@@ -72,24 +71,19 @@ void simulate(const Settings& settings, const CLI::App& command, const SimulateC
 void add_scene_options(CLI::App& command, SimulateCall& call) {
   SceneCall& scene = call.scene;
   const char* const group = "Scene";
-  command
-      .add_option("--distance", call.distances,
-                  "Depth [mm] of the mesh's centre, on the camera's axis; several depths (600,800) "
-                  "give one frame each. Default: the position in the file if it is in view, "
-                  "otherwise so that the mesh fills the image")
+  add_number(command, "--distance", call.distances, kDistances,
+             "Depth [mm] of the mesh's centre, on the camera's axis; several depths (600,800) "
+             "give one frame each. Default: the position in the file if it is in view, "
+             "otherwise so that the mesh fills the image")
       ->delimiter(',')
-      ->check(within(kDistances))
       ->group(group);
-  command
-      .add_option("--turn", scene.turn,
-                  "x,y,z: rotation of the mesh about its centre, in degrees (-360 to 360) about "
-                  "each axis of the camera")
+  add_number(command, "--turn", scene.turn, at_least(-360).at_most(360),
+             "x,y,z: rotation of the mesh about its centre, in degrees (-360 to 360) about "
+             "each axis of the camera")
       ->expected(3)
       ->delimiter(',')
-      ->check(within(at_least(-360).at_most(360)))
       ->group(group);
-  command.add_option("--wall", scene.wall, "Add a white wall at this depth [mm]")
-      ->check(within(kDistances))
+  add_number(command, "--wall", scene.wall, kDistances, "Add a white wall at this depth [mm]")
       ->group(group);
   command
       .add_option("--reflectance", scene.reflectance,
@@ -109,12 +103,9 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
   command
       .add_option("--shininess", scene.shininess, "Exponent of the highlight, >= 1 (default: 50)")
       ->group(group);
-  command
-      .add_option(
-          "--shutter", scene.shutter,
-          "Share of the time between two meshes during which the shutter is open "
-          "(default: 0, no motion blur). The last mesh has no next one, so it is not blurred")
-      ->check(within(at_least(0).at_most(1)))
+  add_number(command, "--shutter", scene.shutter, at_least(0).at_most(1),
+             "Share of the time between two meshes during which the shutter is open "
+             "(default: 0, no motion blur). The last mesh has no next one, so it is not blurred")
       ->group(group);
 }
 

@@ -29,6 +29,20 @@ namespace palpate::apps {
 [[nodiscard]] CLI::Validator list_of_numbers(
     std::function<bool(const std::vector<double>&)> is_right, const std::string& what);
 
+/// Adds an option that is a number in a range, or several such numbers.
+template <typename Variable>
+CLI::Option* add_number(CLI::App& app, const std::string& name, Variable& variable,
+                        const Interval& range, const std::string& help) {
+  return app.add_option(name, variable, help)->check(within(range));
+}
+
+/// Adds an option that is one of some words.
+template <typename Variable>
+CLI::Option* add_word(CLI::App& app, const std::string& name, Variable& variable,
+                      const std::vector<std::string>& words, const std::string& help) {
+  return app.add_option(name, variable, help)->check(one_of(words));
+}
+
 /// Adds an option whose words stand for values.
 template <typename Value, typename Variable>
 CLI::Option* add_choice(CLI::App& app, const std::string& name, Variable& variable,

@@ -267,11 +267,9 @@ void add_camera_options(CLI::App& command, MapCamera& camera) {
   command.add_option("--rig,--camera", camera.rig,
                      "Rig of the range map, or camera of the depth image: a file of Palpate, ROS "
                      "(camera_info), RealSense or Open3D (default: rig.yaml beside it)");
-  command
-      .add_option("--scale", camera.scale,
-                  "Depth image: length of one unit [mm] (default: as recorded by Open3D, and 0.2 "
-                  "if a depth.txt lists it, the layout of TUM RGB-D)")
-      ->check(within(above(0)));
+  add_number(command, "--scale", camera.scale, above(0),
+             "Depth image: length of one unit [mm] (default: as recorded by Open3D, and 0.2 "
+             "if a depth.txt lists it, the layout of TUM RGB-D)");
   command
       .add_option("--intrinsics", camera.intrinsics,
                   "Depth image: fx,fy,cx,cy of its camera [px], instead of --camera")

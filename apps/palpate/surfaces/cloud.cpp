@@ -259,18 +259,13 @@ void add_cloud(CLI::App& app, const Settings& settings) {
                    "Position X,Y,Z of the sensor [mm]: normals point there")
       ->check(list_of_numbers([](const std::vector<double>& place) { return place.size() == 3; },
                               "three numbers X,Y,Z"));
-  command
-      ->add_option("--min-share", call->settings.min_share,
-                   "Share of the points that a shape needs at least")
-      ->check(within(above(0).at_most(1)))
+  add_number(*command, "--min-share", call->settings.min_share, above(0).at_most(1),
+             "Share of the points that a shape needs at least")
       ->capture_default_str();
-  command
-      ->add_option(
-          "--max-radius", call->settings.max_radius,
-          "Largest radius of a sphere or cylinder [mm] (default: the extent of the points)")
-      ->check(within(above(0)));
-  command->add_option("--min-points", call->settings.min_points, "Leave out smaller clusters")
-      ->check(within(at_least(1)))
+  add_number(*command, "--max-radius", call->settings.max_radius, above(0),
+             "Largest radius of a sphere or cylinder [mm] (default: the extent of the points)");
+  add_number(*command, "--min-points", call->settings.min_points, at_least(1),
+             "Leave out smaller clusters")
       ->capture_default_str();
   command->add_flag("--single", call->single_precision,
                     "Write float instead of double, as programs built on PCL read");

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/cross_section.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_io.h"
@@ -279,19 +278,17 @@ void add_compare(CLI::App& app, const Settings& settings) {
       ->add_option("-o,--output", call->aligned,
                    "With --align: also write surface A at its new pose (.ply, .obj or .stl)")
       ->needs(align);
-  command
-      ->add_option("--within", call->within,
-                   "Ignore points of A farther than this from B [mm], for example surroundings of "
-                   "the object "
-                   "that the sensor saw too")
-      ->check(within(above(0)));
+  add_number(*command, "--within", call->within, above(0),
+             "Ignore points of A farther than this from B [mm], for example surroundings of "
+             "the object "
+             "that the sensor saw too");
   CLI::Option* section =
       command
           ->add_option("--section", call->section,
                        "Draw the cross-sections of both (PNG; default name: section.png)")
           ->expected(0, 1);
-  command->add_option("--section-y", call->section_y, "Position of the cross-section: Y [mm]")
-      ->check(within(kPlaces))
+  add_number(*command, "--section-y", call->section_y, kPlaces,
+             "Position of the cross-section: Y [mm]")
       ->capture_default_str()
       ->needs(section);
   command->add_option("--picture", call->picture,

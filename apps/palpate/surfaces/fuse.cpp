@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/median.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_io.h"

@@ -7,7 +7,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
-#include "palpate/core/require.h"
 #include "palpate/pictures/draw_mesh.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -70,10 +69,9 @@ void add_mesh(CLI::App& app, const Settings& settings) {
           "Mesh to write (.ply, .obj or .stl); for several range maps or a folder: folder for the "
           "meshes")
       ->required();
-  CLI::Option* format =
-      command->add_option("--format", call->format, "Format of a folder's meshes: ply, obj or stl")
-          ->check(one_of({"ply", "obj", "stl"}))
-          ->capture_default_str();
+  CLI::Option* format = add_word(*command, "--format", call->format, {"ply", "obj", "stl"},
+                                 "Format of a folder's meshes: ply, obj or stl")
+                            ->capture_default_str();
   add_camera_options(*command, call->steps.camera);
   add_selection_options(*command, call->steps.camera);
   add_unit_option(*command, call->steps.meshes);
@@ -99,24 +97,19 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   command->add_flag(
       "--repair", call->steps.repair,
       "Repair the defects that palpate info lists; the result is manifold and oriented");
-  command->add_option("--fill-holes", call->steps.fill_holes, "Fill holes up to this diameter [mm]")
-      ->check(within(above(0)));
-  command
-      ->add_option(
-          "--smooth", call->steps.smooth,
-          "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
-          "noise")
-      ->check(within(at_least(0).at_most(kMostSmoothing)));
+  add_number(*command, "--fill-holes", call->steps.fill_holes, above(0),
+             "Fill holes up to this diameter [mm]");
+  add_number(*command, "--smooth", call->steps.smooth, at_least(0).at_most(kMostSmoothing),
+             "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
+             "noise");
   command->add_flag(
       "--remove-intersections", call->steps.remove_intersections,
       "Mend where neighbouring parts of the surface pass through each other, as noise, "
       "spikes and folds leave them; where distant parts do, they stay, and are counted");
   CLI::Option* remesh =
-      command
-          ->add_option("--remesh", call->steps.remesh,
-                       "Make the triangles nearly equilateral, with edges of this length [mm]; the "
-                       "border and sharp edges stay where they are")
-          ->check(within(above(0).finite()));
+      add_number(*command, "--remesh", call->steps.remesh, above(0).finite(),
+                 "Make the triangles nearly equilateral, with edges of this length [mm]; the "
+                 "border and sharp edges stay where they are");
   command
       ->add_option_function<double>(
           "--feature-angle",

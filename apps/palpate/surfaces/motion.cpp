@@ -219,19 +219,14 @@ void add_motion(CLI::App& app, const Settings& settings) {
       ->required();
   command->add_option("--reference", call->reference,
                       "Mesh with which the others are compared (default: the first one)");
-  command
-      ->add_option("--rate", call->rate,
-                   "Frames per second, for velocities; frames are numbered by their names. Names "
-                   "that are times in seconds, as of a recording of TUM RGB-D, need none [Hz]")
-      ->check(within(above(0).finite()));
-  command
-      ->add_option("--radius", call->radius,
-                   "Stretches are averaged over this distance around each vertex; 0: over the "
-                   "vertices that share an edge [mm]")
-      ->check(within(at_least(0).finite()))
+  add_number(*command, "--rate", call->rate, above(0).finite(),
+             "Frames per second, for velocities; frames are numbered by their names. Names "
+             "that are times in seconds, as of a recording of TUM RGB-D, need none [Hz]");
+  add_number(*command, "--radius", call->radius, at_least(0).finite(),
+             "Stretches are averaged over this distance around each vertex; 0: over the "
+             "vertices that share an edge [mm]")
       ->capture_default_str();
-  command->add_option("--format", call->format, "Format of the meshes: ply or vtk")
-      ->check(one_of({"ply", "vtk"}))
+  add_word(*command, "--format", call->format, {"ply", "vtk"}, "Format of the meshes: ply or vtk")
       ->capture_default_str();
   command->footer(
       "Each mesh has these values at its vertices, with those that it had before: displacement "

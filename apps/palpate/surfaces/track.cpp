@@ -384,8 +384,8 @@ void add_track(CLI::App& app, const Settings& settings) {
   add_selection_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Folder for the meshes")->required();
-  command->add_option("--format", call->outputs.format, "Format of the meshes: ply or obj")
-      ->check(one_of({"ply", "obj"}))
+  add_word(*command, "--format", call->outputs.format, {"ply", "obj"},
+           "Format of the meshes: ply or obj")
       ->capture_default_str();
   const std::vector<CLI::Option*> tracking = add_fields(*command, fields_of(call->tracking));
   command->add_option(

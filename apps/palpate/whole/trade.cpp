@@ -191,10 +191,8 @@ void add_trade(CLI::App& app, const Settings& settings) {
   command->add_option(
       "--trajectory", call->data.trajectory,
       "Path of a tool (CSV): the time of a step of the haptic loop is also measured");
-  command
-      ->add_option("--strokes", call->data.strokes,
-                   "Number of random presses that measure reduced models; see 'palpate reduce'")
-      ->check(within(at_least(100).at_most(1'000'000)))
+  add_number(*command, "--strokes", call->data.strokes, at_least(100).at_most(1'000'000),
+             "Number of random presses that measure reduced models; see 'palpate reduce'")
       ->group(kExpertOptions);
   command->footer(
       "Each line of the output ends with the settings that were used.\n"
