@@ -12,7 +12,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/playback.h"
 #include "path_kind.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "view.h"
 
 namespace palpate::view {

@@ -23,7 +23,7 @@
 #include "shared/aliases.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "shared/surface_colors.h"
@@ -61,7 +61,7 @@ geometry::MeshAnimation read_animation(const std::vector<MotionFrame>& frames, d
       animation.displacements.emplace_back((mesh.mesh.vertices - first.vertices).cast<float>());
     }
     animation.times.push_back(frame.time / rate);
-    progress.show(static_cast<int>(animation.times.size()), static_cast<int>(frames.size()));
+    progress.show(animation.times.size(), frames.size());
   }
   return animation;
 }

@@ -15,7 +15,6 @@
 #include "palpate/core/file_names.h"
 #include "palpate/core/output_file.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/sensing/depth_image.h"
 #include "shared/played_model.h"
 
 namespace palpate::apps {
@@ -65,16 +64,11 @@ void check_options(const PageCall& call, PageContent content) {
   }
 }
 
-bool is_depth_map_image(const fs::path& path) {
-  const auto pixels = sensing::read_png_pixels(path);
-  return pixels && sensing::may_be_depths(*pixels);
-}
-
 bool holds_range_maps(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
     if (is_hidden(path) || is_sigma(path) || is_reasons(path)) continue;
-    if (is_range_map(path) || (is_image(path) && is_depth_map_image(path))) return true;
+    if (is_range_map(path) || (is_image(path) && is_depth_image(path))) return true;
   }
   return false;
 }
@@ -140,8 +134,7 @@ PageContent content_of(const fs::path& path) {
       path.string() + (fs::is_empty(path) ? ": is empty" : ": holds nothing that can be exported") +
       "; expected a model (field.json or field.cbor, and surface.ply), range maps (tiff), as "
       "palpate decode writes them, or depth images (16-bit PNG), or meshes, as palpate track "
-      "writes "
-      "them.");
+      "writes them.");
 }
 
 fs::path usual_name(PageContent content) {

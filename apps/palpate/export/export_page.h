@@ -6,7 +6,7 @@
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 
 namespace palpate::apps {
 

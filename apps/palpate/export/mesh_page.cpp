@@ -13,6 +13,7 @@
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/packed_image.h"
+#include "shared/command_line.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {
@@ -92,7 +93,7 @@ MeshSurvey survey_of(const std::vector<fs::path>& meshes, const geometry::ReadOp
       if (values) quantity.range.add({values->data(), static_cast<std::size_t>(values->size())});
       return !values;
     });
-    progress.show(static_cast<int>(i + 1), static_cast<int>(meshes.size()));
+    progress.show(i + 1, meshes.size());
   }
   std::erase_if(survey.quantities, [](const VertexQuantity& one) { return one.range.is_empty(); });
   for (VertexQuantity& one : survey.quantities) {
@@ -163,8 +164,8 @@ Json facts_of(const MeshSurvey& survey, const std::vector<fs::path>& meshes) {
   Json facts = {{"vertices", survey.first.vertices.cols()},
                 {"triangles", survey.first.triangles.cols()},
                 {"step", survey.step},
-                {"middle", {middle.x(), middle.y(), middle.z()}},
-                {"size", {size.x(), size.y(), size.z()}},
+                {"middle", numbers_in(middle)},
+                {"size", numbers_in(size)},
                 {"colors", survey.colors},
                 {"quantities", Json::array()},
                 {"frames", Json::array()}};

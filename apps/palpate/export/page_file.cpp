@@ -106,7 +106,7 @@ std::size_t write_page(const fs::path& output, const SequencePage& page) {
           bytes += frame.block.size();
           if (bytes > page.most_bytes) throw too_long(page, done);
           file << frame.block;
-          progress.show(static_cast<int>(++done), static_cast<int>(page.files.size()));
+          progress.show(++done, page.files.size());
         },
         usual_live_items());
     file << ends.tail;

@@ -115,7 +115,7 @@ RangeSurvey survey_of(const std::vector<fs::path>& maps, const MapCamera& camera
                              {"known", frame.map.z.isFinite().count()},
                              {"sigma", frame.sigma.has_value()},
                              {"reasons", frame.reasons.has_value()}});
-    progress.show(static_cast<int>(survey.frames.size()), static_cast<int>(maps.size()));
+    progress.show(survey.frames.size(), maps.size());
   }
   if (survey.depth.is_empty() && !survey.reasons) {
     throw InvalidInput(fmt::format(

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 
 namespace palpate::apps {
 

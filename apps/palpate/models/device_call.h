@@ -32,8 +32,7 @@ struct DeviceCall {
   haptics::PlaybackOptions playback;
   std::vector<unsigned> clutch_buttons;  ///< numbers from 0
   std::string coupling = "auto";         ///< auto, off, or a stiffness [N/mm]
-  // As in `haptics::SafetyOptions`.
-  double force = 3.3, slew = 1000, ramp = 0.5, heating_time = 10;
+  haptics::SafetyOptions safety;
 };
 
 // The simulated devices.

@@ -12,7 +12,6 @@
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
-#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/model_pictures.h"
@@ -37,9 +36,8 @@ struct EvaluateCall {
 
 haptics::LeaveOneOut predict(const haptics::Model& model, const EvaluateCall& call) {
   const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.acquisition);
-  Progress progress("predicting");  // in this scope, so that its bar is cleared before printing
   haptics::LeaveOneOutOptions options = call.leave_one_out;
-  options.progress = [&](int done, int total) { progress.show(done, total); };
+  options.progress = shown_as("predicting");
   return haptics::leave_one_out(model, acquisition, options);
 }
 
@@ -67,8 +65,7 @@ Json to_json(const haptics::LeaveOneOut& errors) {
                            {"stated", to_json(e.stated)}});
   }
   for (const haptics::SuggestedContact& s : errors.suggested) {
-    suggested.push_back(
-        {{"position", {s.position.x(), s.position.y(), s.position.z()}}, {"expected", s.expected}});
+    suggested.push_back({{"position", numbers_in(s.position)}, {"expected", s.expected}});
   }
   return {{"rms", errors.rms},
           {"interior_rms", number_or_null(errors.interior_rms)},

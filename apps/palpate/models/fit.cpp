@@ -109,7 +109,7 @@ haptics::SurfaceResponse fit_shapes(const haptics::BuildResult& built,
   std::size_t read = 0;
   return haptics::fit_surface_response(built.model, files.size(), [&](std::size_t k) {
     haptics::RecordedShape shape = read_shape(files[k], surface, built.surface_ends);
-    bar.show(static_cast<int>(++read), static_cast<int>(kReadings * files.size()));
+    bar.show(++read, kReadings * files.size());
     return shape;
   });
 }

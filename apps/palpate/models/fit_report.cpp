@@ -152,8 +152,6 @@ Json rate_in_figures(const haptics::RateFit& found) {
   return {{"terms", terms}, {"rms", found.rms}, {"rms_without", found.rms_without}};
 }
 
-Json triple(const Eigen::Vector3d& value) { return {value.x(), value.y(), value.z()}; }
-
 Json pressing_in_figures(const haptics::PressingEstimate& found) {
   Json figures = {{"force_noise", found.force_noise},
                   {"noise_estimated", found.noise_was_estimated}};
@@ -205,8 +203,8 @@ Json contact_figures(const haptics::ContactModel& contact, const haptics::Contac
 }  // namespace
 
 Json offsets_in_figures(const haptics::PressingOffsets& offsets) {
-  return {{"force_offset", triple(offsets.force)},
-          {"force_offset_error", triple(offsets.force_error)},
+  return {{"force_offset", numbers_in(offsets.force)},
+          {"force_offset_error", numbers_in(offsets.force_error)},
           {"along_pressing", offsets.along_direction},
           {"touch_offset", offsets.touch},
           {"touch_offset_error", offsets.touch_error},
@@ -237,9 +235,8 @@ std::string sharing_in_words(const haptics::BuildResult& built) {
     }
     case haptics::SharingOutcome::no_gain:
       return fmt::format(
-          "none shares a local part: {}; errors would be {:.2f} times those "
-          "without it, +- {:.0f} % (tested at dense contacts), which is not a "
-          "significant gain",
+          "none shares a local part: {}; errors would be {:.2f} times those without it, +- {:.0f} "
+          "% (tested at dense contacts), which is not a significant gain",
           counts, ratio(part), 100 * *part.gain_error);
     case haptics::SharingOutcome::too_few_dense:
       return fmt::format(

@@ -39,13 +39,11 @@ struct IdentifyCall {
   haptics::IdentifyOptions options;
 };
 
-Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 /// Settings of a strip model; only a strip has a position and a direction.
 Json place(const haptics::StripModel& strip) {
-  return {{"origin", vector(strip.origin)},
-          {"axis", vector(strip.axis)},
-          {"across", vector(strip.across)}};
+  return {{"origin", numbers_in(strip.origin)},
+          {"axis", numbers_in(strip.axis)},
+          {"across", numbers_in(strip.across)}};
 }
 
 const char* verdict_in_words(haptics::Verdict verdict) {
@@ -85,17 +83,6 @@ Json listed(const std::vector<haptics::ParameterEstimate>& parameters) {
                       {"status", haptics::to_string(parameter.status)},
                       {"value", number_or_null(parameter.value)},
                       {"standard_error", number_or_null(parameter.standard_error)}});
-  return result;
-}
-
-Json rows_of(const Eigen::MatrixXd& matrix) {
-  Json result = Json::array();
-  for (const auto& row : matrix.rowwise()) {
-    Json numbers = Json::array();
-    for (const double number : row)
-      numbers.push_back(std::isfinite(number) ? Json(number) : Json(nullptr));
-    result.push_back(numbers);
-  }
   return result;
 }
 
@@ -140,7 +127,7 @@ void report(const Settings& settings, const IdentifyCall& call,
   figures["displacement_noise"] = found.displacement_noise;
   figures["force_noise"] = found.force_noise;
   figures["parameters"] = listed(found.parameters);
-  figures["correlations"] = rows_of(found.correlations);
+  figures["correlations"] = rows_in(found.correlations);
   figures["per_contact"] = contacts;
   figures["warnings"] = warnings;
   prose += fmt::format(
@@ -156,7 +143,7 @@ void report(const Settings& settings, const IdentifyCall& call,
 Json provenance(const IdentifyCall& call, const haptics::IdentifiedSolid& found,
                 const probing::Acquisition& acquisition) {
   return {{"parameters", listed(found.report.parameters)},
-          {"correlations", rows_of(found.report.correlations)},
+          {"correlations", rows_in(found.report.correlations)},
           {"verdict", haptics::to_string(found.report.verdict)},
           {"chi2", number_or_null(found.report.chi2)},
           {"rms", found.report.rms},
@@ -216,11 +203,8 @@ void identify_solid(const Settings& settings, const IdentifyCall& call,
   solid.progress = shown_as("identifying the material");
   const haptics::IdentifiedSolid found =
       haptics::identify_solid(acquisition, object, solid, call.options);
-  Json mesh_errors = Json::array();
-  for (const double error : found.mesh_errors)
-    mesh_errors.push_back(std::isfinite(error) ? Json(error) : Json(nullptr));
   warn_of_gaps(found, call.solid_options, warnings);
-  Json figures{{"mesh_errors", mesh_errors},
+  Json figures{{"mesh_errors", found.mesh_errors},
                {"mesh_limited", found.mesh_limited},
                {"left_out", found.left_out}};
   if (call.card) {

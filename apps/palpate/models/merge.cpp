@@ -11,7 +11,6 @@
 #include "palpate/core/output_file.h"
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/model_io.h"
-#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/model_pictures.h"
@@ -132,10 +131,8 @@ void add_merge(CLI::App& app, const Settings& settings) {
   command->add_option("--picture", call->picture,
                       "Draw the merged surface, its contacts and their triangulation (PNG)");
   command->footer(
-      "Contacts keep their fields and friction. If models use the same ids, the ids of the "
-      "second model are increased by a power of ten, those of the third by twice that power, and "
-      "so "
-      "on.\n"
+      "Contacts keep their fields and friction. If models use the same ids, the ids of the second "
+      "model are increased by a power of ten, those of the third by twice that power, and so on.\n"
       "Examples:\n  palpate merge front/ back/ --pose front.txt --pose back.txt -o whole/\n"
       "  palpate merge front/ left/ back/ --register --min-overlap 0.3 -o whole/ --picture "
       "whole.png");

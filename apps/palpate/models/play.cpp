@@ -87,8 +87,6 @@ void play(const Settings& settings, const PlayCall& call) {
   double largest = 0;
   for (const haptics::TracePoint& point : trace) largest = std::max(largest, point.force.norm());
   const StepTimes times = time_steps(playback, trajectory);
-  const std::optional<double> slipping =
-      times.slip.count > 0 ? std::optional(times.slip.median) : std::nullopt;
   print(settings,
         {{"steps", trace.size()},
          {"free", times.free.count},
@@ -100,14 +98,15 @@ void play(const Settings& settings, const PlayCall& call) {
           {{"median", times.all.median},
            {"p90", times.all.p90},
            {"max", times.all.max},
-           {"slip_median", number_or_null(slipping)}}}},
+           {"slip_median", times.slip.median}}}},
         fmt::format("{} steps: {} free, {} stick, {} slip; largest force {}\n"
                     "A step of the loop takes {:.1f} us (median), 90 % within {:.1f} us, at most "
                     "{:.1f} us; {}.{}",
                     trace.size(), times.free.count, times.stick.count, times.slip.count,
                     newtons(largest, 3), times.all.median, times.all.p90, times.all.max,
-                    slipping ? fmt::format("a slipping step {:.1f} us (median)", *slipping)
-                             : "no step slipped",
+                    times.slip.count > 0
+                        ? fmt::format("a slipping step {:.1f} us (median)", times.slip.median)
+                        : "no step slipped",
                     call.record.empty() ? "" : "\nWritten to " + call.record.string()));
   if (times.stick.count + times.slip.count == 0) {
     spdlog::warn(
@@ -201,12 +200,13 @@ void add_device_options(CLI::App& command, PlayCall& call) {
       "--coupling", device.coupling,
       "Stiffness of the virtual coupling: auto (from the device's damping and delay), off, "
       "or a number [N/mm]");
-  add_number(command, "--max-force", device.force, above(0).finite(),
+  add_number(command, "--max-force", device.safety.force, above(0).finite(),
              "Largest force [N]; larger ones are reduced to it");
-  add_number(command, "--slew", device.slew, above(0).finite(), "Largest growth of a force [N/s]");
-  add_number(command, "--ramp", device.ramp, above(0).finite(),
+  add_number(command, "--slew", device.safety.slew, above(0).finite(),
+             "Largest growth of a force [N/s]");
+  add_number(command, "--ramp", device.safety.ramp, above(0).finite(),
              "Time in which the force grows after a start or a fault [s]");
-  add_number(command, "--heating-time", device.heating_time, at_least(0.1).finite(),
+  add_number(command, "--heating-time", device.safety.heating_time, at_least(0.1).finite(),
              "Time constant of the motors' heat [s], which limits how long a force is above "
              "the continuous one that the device declares (default: 10)");
   command.add_option("--exchange", device.exchange,
@@ -243,9 +243,8 @@ void add_play(CLI::App& app, const Settings& settings) {
   add_fields(*command, fields_of(call->device.playback));
   CLI::Option* tool_radius =
       add_number(*command, "--tool-radius", call->tool_radius, above(0).finite(),
-                 "Radius of the tool, a ball [mm]. If the object was "
-                 "measured with another radius, the command says how "
-                 "large the errors of the forces are");
+                 "Radius of the tool, a ball [mm]. If the object was measured with another radius, "
+                 "the command says how large the errors of the forces are");
   add_number(
       *command, "--probe-radius", call->probe_radius, above(0).finite(),
       "Radius of the ball with which the object was measured [mm], if the model does not say "

@@ -37,10 +37,7 @@ haptics::DeviceLoopOptions loop_options(const DeviceCall& call) {
   if (!call.pose.empty()) options.T_world_device = read_pose(call.pose);
   options.scale = call.scale;
   for (const unsigned button : call.clutch_buttons) options.clutch_buttons |= 1U << button;
-  options.safety.force = call.force;
-  options.safety.slew = call.slew;
-  options.safety.ramp = call.ramp;
-  options.safety.heating_time = call.heating_time;
+  options.safety = call.safety;
   options.coupling = coupling_of(call.coupling);
   return options;
 }
@@ -52,7 +49,6 @@ Json figures_of(const DeviceCall& call, const haptics::RunReport& report) {
     std::ranges::replace(key, ' ', '_');
     safety[key] = report.actions[i];
   }
-  const bool coupled = std::isfinite(report.coupling_stiffness);
   return {{"device", call.device},
           {"steps", report.time.ticks},
           {"free", report.states[0]},
@@ -65,8 +61,7 @@ Json figures_of(const DeviceCall& call, const haptics::RunReport& report) {
            {{"p50", report.time.p50}, {"p999", report.time.p999}, {"max", report.time.largest}}},
           {"real_time", call.real_time && report.not_real_time.empty()},
           {"memory_locked", report.memory_locked},
-          {"coupling_stiffness",
-           number_or_null(coupled ? std::optional(report.coupling_stiffness) : std::nullopt)},
+          {"coupling_stiffness", report.coupling_stiffness},
           {"given_energy", report.given.in_touches},
           {"touches", report.given.touches},
           {"giving_touches", report.given.giving},

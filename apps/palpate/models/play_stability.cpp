@@ -17,7 +17,7 @@ namespace palpate::apps {
 
 void play_stability(const Settings& settings, const DeviceCall& call) {
   const haptics::Model model = playable_model(call.model);
-  const haptics::ModelStiffness stiffness = haptics::model_stiffness(model, call.force);
+  const haptics::ModelStiffness stiffness = haptics::model_stiffness(model, call.safety.force);
   haptics::HandOptions hand;
   double scale = call.scale.value_or(1);
   bool declared = true;  // the resolution
@@ -36,8 +36,7 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
     hand = hand_options(call);
   } else {
     throw InvalidInput(
-        "--stability: is that of the simulated hand, or of the driver of a device; "
-        "--device is " +
+        "--stability: is that of the simulated hand, or of the driver of a device; --device is " +
         call.device);
   }
   const haptics::CouplingOptions coupling = coupling_of(call.coupling);

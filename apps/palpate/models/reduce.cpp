@@ -12,7 +12,6 @@
 #include "palpate/core/output_file.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/scene_requirement.h"
-#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/output_checks.h"

@@ -241,8 +241,7 @@ void add_transfer(CLI::App& app, const Settings& settings) {
   command->add_option("--picture", call->picture, "Draw the new model's contacts (PNG)");
   command->footer(
       "With --axis, the isotropic bases of the fields are fitted again. The largest error of a "
-      "force "
-      "is reported.\n"
+      "force is reported.\n"
       "Examples:\n  palpate transfer model/ --scale 1.5 -o larger/\n"
       "  palpate transfer model/ --scale 2 --axis 1,0,0 --forces material -o longer/\n"
       "  palpate transfer model/ --onto patient.ply --landmarks pairs.csv -o patient/ --distortion "

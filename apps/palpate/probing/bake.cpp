@@ -81,7 +81,7 @@ Json failures_of(const probing::SpecimenTrials& trials) {
   for (const probing::FailedTrial& one : trials.failed) {
     const Vector3d& force = one.trial.force;
     failed.push_back({{"contact", one.contact},
-                      {"force", {force.x(), force.y(), force.z()}},
+                      {"force", numbers_in(force)},
                       {"not_tried", one.not_tried},
                       {"reason", one.trial.reason}});
   }
@@ -89,10 +89,9 @@ Json failures_of(const probing::SpecimenTrials& trials) {
 }
 
 probing::KnownForces compute_queries(const probing::Specimen& specimen, const BakeCall& call) {
-  Progress progress("computing forces to compare with");
   probing::KnownForceOptions options = call.queries;
   options.max_force = call.plan.max_force;
-  options.progress = [&](int done, int total) { progress.show(done, total); };
+  options.progress = shown_as("computing forces to compare with");
   try {
     return probing::known_forces(specimen, options);
   } catch (const InvalidInput& error) {
@@ -103,10 +102,8 @@ probing::KnownForces compute_queries(const probing::Specimen& specimen, const Ba
 
 probing::SpecimenTrials compute_samples(const probing::Specimen& specimen,
                                         const probing::ContactPlan& plan, const BakeCall& call) {
-  Progress progress("computing samples");
   try {
-    return probing::try_specimen(
-        specimen, plan, {.progress = [&](int done, int total) { progress.show(done, total); }});
+    return probing::try_specimen(specimen, plan, {.progress = shown_as("computing samples")});
   } catch (const SolverError& error) {
     throw SolverError(call.specimen.string() + ": " + error.what());
   }

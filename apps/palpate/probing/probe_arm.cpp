@@ -16,6 +16,7 @@
 #include "palpate/probing/quasi_static_arm.h"
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/virtual_arm.h"
+#include "shared/command_line.h"
 #include "shared/interrupts.h"
 
 namespace palpate::apps {
@@ -27,10 +28,6 @@ constexpr const char* kDevice = "device";
 constexpr const char* kReplay = "replay";
 constexpr const char* kNoSetup = "{}";
 
-Json vector_json(const Eigen::VectorXd& vector) {
-  return std::vector<double>(vector.begin(), vector.end());
-}
-
 template <typename Vector>
 void take_vector(const Json& json, Vector& vector) {
   const auto numbers = json.get<std::vector<double>>();
@@ -40,8 +37,8 @@ void take_vector(const Json& json, Vector& vector) {
 }
 
 Json gravity_json(const probing::GravityModel& gravity) {
-  return {{"potential", vector_json(gravity.potential)},
-          {"friction", vector_json(gravity.friction)},
+  return {{"potential", numbers_in(gravity.potential)},
+          {"friction", numbers_in(gravity.friction)},
           {"residual", gravity.residual}};
 }
 
@@ -57,11 +54,11 @@ Json simulation_json(const probing::VirtualArmMemory& memory) {
   return {{"ticks", memory.ticks},
           {"sample", memory.sample},
           {"sample_begin", memory.sample_begin},
-          {"joints", vector_json(memory.joints)},
-          {"speed", vector_json(memory.speed)},
-          {"bristle", vector_json(memory.bristle)},
-          {"heat", vector_json(memory.heat)},
-          {"resting", vector_json(memory.resting)}};
+          {"joints", numbers_in(memory.joints)},
+          {"speed", numbers_in(memory.speed)},
+          {"bristle", numbers_in(memory.bristle)},
+          {"heat", numbers_in(memory.heat)},
+          {"resting", numbers_in(memory.resting)}};
 }
 
 probing::VirtualArmMemory simulation_of(const Json& json) {
@@ -89,7 +86,7 @@ class QuasiStaticCampaignArm final : public CampaignArm {
     return arm_->perform(action);
   }
   // How long the next travel takes.
-  std::string memory() const override { return Json{{"tip", vector_json(tip_)}}.dump(); }
+  std::string memory() const override { return Json{{"tip", numbers_in(tip_)}}.dump(); }
   std::shared_ptr<const probing::Specimen> specimen() const override { return specimen_; }
   bool tells_truth() const override { return true; }
 

@@ -86,8 +86,7 @@ std::string describe_camera(const CameraCall& call, std::uint64_t seed) {
   for (const auto& [option, file] : {kFiles[0], kFiles[1]}) {
     if ((call.*file).empty())
       throw InvalidInput(std::string(option) +
-                         ": is missing; a camera needs it to decode what it "
-                         "sees");
+                         ": is missing; a camera needs it to decode what it sees");
   }
   Json camera{{"camera", call.camera}, {"seed", seed}, {"truth", call.truth}};
   for (const auto& [option, file] : kFiles)

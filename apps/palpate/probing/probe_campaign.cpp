@@ -27,10 +27,6 @@ constexpr double kNoticedLoss = 0.3, kNoticedCreep = 0.1;
 constexpr double kNoticedDrift = 0.1;
 constexpr double kBeyondNoise = 3;  // standard deviations
 
-std::optional<double> finite_or_none(double value) {
-  return std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
 std::string words_of_stop(probing::AdaptiveStop stop) {
   switch (stop) {
     case probing::AdaptiveStop::accurate:
@@ -129,23 +125,22 @@ Json campaign_figures(const probing::Campaign& campaign, const probing::Campaign
                {"trials_left", std::llround(at.trials_left)},
                {"hours_left", at.seconds_left / kSecondsPerHour},
                {"friction_error", number_or_null(median)},
-               {"energy_lost", number_or_null(finite_or_none(rates.energy_lost))},
+               {"energy_lost", rates.energy_lost},
                {"energy_loops", rates.loops},
-               {"creep", number_or_null(finite_or_none(rates.creep))},
+               {"creep", rates.creep},
                {"references", findings.drift.probes},
-               {"drift", number_or_null(finite_or_none(findings.drift.change))},
+               {"drift", findings.drift.change},
                {"complete", complete}};
   if (findings.has_camera) {
     figures["range_maps"] = findings.range_maps;
     figures["not_seen"] = findings.not_seen;
   }
   if (options.strategy == probing::TrialStrategy::adaptive) {
-    const auto number = [](double value) { return number_or_null(finite_or_none(value)); };
-    figures["stated_error"] = number(at.stated.error);
-    figures["stated_at_contacts"] = number(at.stated.at_contacts);
-    figures["stated_between"] = number(at.stated.between);
-    figures["reachable_error"] = number(at.stated.reachable);
-    figures["predicted_over_actual"] = number(at.stated.predicted_over_actual);
+    figures["stated_error"] = at.stated.error;
+    figures["stated_at_contacts"] = at.stated.at_contacts;
+    figures["stated_between"] = at.stated.between;
+    figures["reachable_error"] = at.stated.reachable;
+    figures["predicted_over_actual"] = at.stated.predicted_over_actual;
     figures["stop"] = probing::to_string(at.stop);
   }
   return figures;

@@ -15,7 +15,6 @@
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/specimen_file.h"
 #include "probing/probe.h"
-#include "shared/call_checks.h"
 #include "shared/field_options.h"
 #include "shared/output_checks.h"
 #include "shared/scene_needs.h"

@@ -192,7 +192,7 @@ void dry_run(const Settings& settings, const RunCall& call) {
     arm->start();
     for (std::size_t i = 0; i < plan.contacts.size(); ++i) {
       const probing::Contact& contact = plan.contacts[i];
-      progress.show(static_cast<int>(i), static_cast<int>(plan.contacts.size()));
+      progress.show(i, plan.contacts.size());
       if (reach.contacts[i] != probing::Reach::reachable) {
         miss(contact, probing::to_string(reach.contacts[i]));
         continue;

@@ -51,9 +51,8 @@ void tell_truth(const Settings& settings, const TruthCall& call) {
   const auto specimen =
       probing::parse_specimen(probing::read_specimen_text(call.specimen), call.specimen.string());
   try {
-    Progress progress("computing forces");
     probing::KnownForceOptions options = call.options;
-    options.progress = [&](int done, int total) { progress.show(done, total); };
+    options.progress = shown_as("computing forces");
     write_truth(call.output, *specimen, options);
   } catch (const InvalidInput& error) {
     throw InvalidInput(with_names(error, {{"known_forces()", call.specimen.string()},

@@ -24,7 +24,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/plausible.h"
 #include "shared/pose_file.h"
@@ -48,17 +48,6 @@ struct MeasurementWords {
   const char* many;
 };
 constexpr MeasurementWords kTouches{"touch", "touches"}, kBalls{"pose", "poses"};
-
-Json numbers_in(const Eigen::Ref<const Eigen::VectorXd>& numbers) {
-  return std::vector<double>(numbers.begin(), numbers.end());
-}
-
-Json rows_of_matrix(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index row = 0; row < matrix.rows(); ++row)
-    rows.push_back(numbers_in(matrix.row(row).transpose()));
-  return rows;
-}
 
 std::string coordinates_text(const Vector3d& v, int decimals) {
   return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", v.x(), decimals, v.y(), decimals, v.z(),
@@ -148,11 +137,11 @@ void report(const Settings& settings, const PlacementCall& call,
   const Vector3d turn = placement.turn_deviation() / kDegree;
   const Vector3d shift = placement.shift_deviation();
   Json figures = {{"file", call.output.string()},
-                  {"pose", rows_of_matrix(placement.T_camera_base.matrix())},
+                  {"pose", rows_in(placement.T_camera_base.matrix())},
                   {"centre", numbers_in(placement.centre)},
                   {"shift_deviation", numbers_in(shift)},
                   {"R_deviation_deg", numbers_in(turn)},
-                  {"pose_covariance", rows_of_matrix(placement.covariance)},
+                  {"pose_covariance", rows_in(placement.covariance)},
                   {"rms", placement.rms},
                   {"used", placement.used},
                   {"residuals", std::move(residuals)}};
@@ -235,7 +224,7 @@ void calibrate_by_ball(const Settings& settings, const PlacementCall& call) {
              fmt::format("{}: no ball with a radius of {:.6g} mm is seen", path.string(),
                          call.ball_radius));
       }
-      progress.show(static_cast<int>(balls.size()), static_cast<int>(poses.size()));
+      progress.show(balls.size(), poses.size());
     }
   }
   const probing::BallPlacement placement = probing::place_by_ball(balls, call.ball_radius);

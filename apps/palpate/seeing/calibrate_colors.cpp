@@ -31,13 +31,6 @@ struct ColorsCall {
   fs::path output, response, picture;
 };
 
-Json as_json(const Eigen::MatrixXd& matrix) {
-  Json rows = Json::array();
-  for (const auto& row : matrix.rowwise())
-    rows.push_back(std::vector<double>(row.begin(), row.end()));
-  return rows;
-}
-
 /// Formats a matrix in percent.
 std::string as_table(const std::string& title, const sensing::TrainedColors& trained,
                      const Eigen::MatrixXd& overlap) {
@@ -105,8 +98,8 @@ void calibrate_colors(const Settings& settings, const ColorsCall& call) {
   if (!call.picture.empty()) draw_picture(call.picture, images, trained, {});
 
   Json figures = {{"colors", Json::array()},
-                  {"overlap_predicted", as_json(predicted)},
-                  {"overlap_measured", as_json(measured)},
+                  {"overlap_predicted", rows_in(predicted)},
+                  {"overlap_measured", rows_in(measured)},
                   {"file", call.output.string()}};
   std::string prose;
   for (const sensing::TrainedColor& color : trained.colors) {

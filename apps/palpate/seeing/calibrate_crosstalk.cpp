@@ -10,7 +10,6 @@
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
-#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
@@ -21,12 +20,6 @@ namespace {
 struct CrosstalkCall {
   fs::path off, red, green, blue, rig, response, output;
 };
-
-Json rows_of(const Eigen::Matrix3d& matrix) {
-  Json rows = Json::array();
-  for (const auto& row : matrix.rowwise()) rows.push_back({row[0], row[1], row[2]});
-  return rows;
-}
 
 void calibrate_crosstalk(const Settings& settings, const CrosstalkCall& call) {
   check_outputs({call.off, call.red, call.green, call.blue, call.rig, call.response},
@@ -53,8 +46,8 @@ void calibrate_crosstalk(const Settings& settings, const CrosstalkCall& call) {
     prose += "\n";
   }
   print(settings,
-        {{"mixing", rows_of(found.mixing)},
-         {"mixing_deviation", rows_of(found.deviation)},
+        {{"mixing", rows_in(found.mixing)},
+         {"mixing_deviation", rows_in(found.deviation)},
          {"pixels", found.pixels},
          {"file", call.output.string()}},
         prose + fmt::format("standard deviation at most {:.2f} %, from {} pixels\nWritten to {}",

@@ -135,9 +135,9 @@ void report(const Settings& settings, const RigCall& call,
        {"camera", lens_figures(rig.camera, calibration.camera_deviation, calibration.camera_rms)},
        {"projector",
         lens_figures(rig.projector, calibration.projector_deviation, calibration.projector_rms)},
-       {"t", {t.x(), t.y(), t.z()}},
-       {"t_deviation", {t_deviation.x(), t_deviation.y(), t_deviation.z()}},
-       {"R_deviation_deg", {turn.x(), turn.y(), turn.z()}},
+       {"t", numbers_in(t)},
+       {"t_deviation", numbers_in(t_deviation)},
+       {"R_deviation_deg", numbers_in(turn)},
        {"depth_deviation", calibration.depth_deviation},
        {"advice", calibration.advice},
        {"views", views},
@@ -164,10 +164,8 @@ void draw_picture(const fs::path& png, const sensing::RigCalibration& calibratio
 void calibrate_rig(const Settings& settings, const RigCall& call) {
   check_outputs(call.folders, {call.output, call.picture});
   check_pictures({call.picture});
-  Progress progress("reading views");
-  const sensing::RigViewFiles files =
-      sensing::read_rig_views(call.folders, call.board.printed, call.projector, {},
-                              [&](int done, int total) { progress.show(done, total); });
+  const sensing::RigViewFiles files = sensing::read_rig_views(
+      call.folders, call.board.printed, call.projector, {}, shown_as("reading views"));
   const sensing::RigCalibration calibration =
       sensing::calibrate_rig(files.views, files.camera, call.projector, call.options);
   tell_doubts(

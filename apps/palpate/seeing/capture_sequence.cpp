@@ -180,8 +180,7 @@ void report(const Settings& settings, const SequenceCall& call, const sensing::C
                          recording.skipped);
     if (!decoding->delays().empty()) {
       prose += fmt::format(
-          "; a range map was there {:.0f} ms after its frame (median; at most "
-          "{:.0f} ms)",
+          "; a range map was there {:.0f} ms after its frame (median; at most {:.0f} ms)",
           decoded["delay_ms"].get<double>(), decoded["largest_delay_ms"].get<double>());
     }
     if (recording.skipped > 0)

@@ -87,8 +87,7 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
     if (outcome.error.empty()) record.add(outcome.frame);
     outcomes[outcome.frame.number] = outcome;
     InterruptMessage::set_kept(what_is_kept(folder, record, source));
-    progress.show(static_cast<int>(outcome.frame.number) + 1,
-                  static_cast<int>(source.expected_frames()));
+    progress.show(outcome.frame.number + 1, source.expected_frames());
   };
   try {
     decode_frames(decoder, call,
@@ -252,8 +251,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--pictures has a legend");
   CLI::Option* resume = command->add_flag(
       "--resume", call->resume,
-      "Keep the frames that an earlier run with the same settings finished in this "
-      "folder");
+      "Keep the frames that an earlier run with the same settings finished in this folder");
   CLI::Option* force =
       command->add_flag("--force", call->force,
                         "Accept range maps of frames that do not fit rig, pattern or colours");

@@ -62,7 +62,7 @@ void simulate(const Settings& settings, const CLI::App& command, const SimulateC
     Progress progress("simulating");
     for (std::size_t i = 0; i < setup.shots.size(); ++i) {
       if (auto line = do_shot(call, setup, output, i).line) lines.push_back(std::move(*line));
-      progress.show(static_cast<int>(i + 1), static_cast<int>(setup.shots.size()));
+      progress.show(i + 1, setup.shots.size());
     }
   });
   print_simulated(settings, lines, setup.shots.size(), setup.panels.size(), call.output);

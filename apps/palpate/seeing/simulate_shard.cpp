@@ -65,8 +65,7 @@ void simulate_shard(const Settings& settings, const CLI::App& command, const Sim
   const InterruptMessage message("shard " + to_string(*call.shard) + " is not finished");
   for (std::size_t number = block.first; number < block.end; ++number) {
     run.add(simulate_item(call, setup, number));
-    progress.show(static_cast<int>(number - block.first) + 1,
-                  static_cast<int>(block.end - block.first));
+    progress.show(number - block.first + 1, block.end - block.first);
   }
   run.finish();
   run.report(settings, "frame");

@@ -9,9 +9,6 @@
 #include <charconv>
 #include <cmath>
 
-#include "palpate/core/error.h"
-#include "shared/inputs.h"
-
 namespace palpate::apps {
 
 CLI::Validator within(const Interval& range) {
@@ -55,21 +52,6 @@ CLI::Validator list_of_numbers(std::function<bool(const std::vector<double>&)> i
                                                  : "is " + text + "; it must be " + what;
           },
           ""};
-}
-
-void check_pictures(const std::vector<fs::path>& pictures) {
-  for (const fs::path& picture : pictures) {
-    if (picture.empty() || (is_image(picture) && !is_range_map(picture))) continue;
-    throw InvalidInput(picture.string() +
-                       ": pictures are PNG files; choose a name that ends in .png");
-  }
-}
-
-void check_is_depths(const fs::path& path) {
-  if (!is_sigma(path) && !is_reasons(path)) return;
-  throw InvalidInput(path.string() + ": holds " +
-                     (is_sigma(path) ? "the deviations of depths" : "the reasons of lost pixels") +
-                     ", not depths; pass the range map beside it");
 }
 
 }  // namespace palpate::apps

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "palpate/core/require.h"
-#include "shared/aliases.h"
 
 namespace palpate::apps {
 
@@ -62,14 +61,5 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, Variable& variab
           help)
       ->check(one_of(words));
 }
-
-/// Pictures are PNG files.
-/// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not
-/// given.
-void check_pictures(const std::vector<fs::path>& pictures);
-
-/// \throws InvalidInput if `path` bears the name of the deviations or reasons that `decode` writes
-/// beside a range map.
-void check_is_depths(const fs::path& path);
 
 }  // namespace palpate::apps

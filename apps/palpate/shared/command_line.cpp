@@ -57,6 +57,16 @@ void print(const Settings& settings, const Json& figures, const std::string& pro
 
 Json number_or_null(std::optional<double> figure) { return figure ? Json(*figure) : Json(nullptr); }
 
+Json numbers_in(const Eigen::Ref<const Eigen::VectorXd>& vector) {
+  return std::vector<double>(vector.begin(), vector.end());
+}
+
+Json rows_in(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
+  Json rows = Json::array();
+  for (const auto& row : matrix.rowwise()) rows.push_back(numbers_in(row.transpose()));
+  return rows;
+}
+
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
   command.add_option_function<std::string>(
       "--unit", [&options](const std::string& name) { options.unit = geometry::unit_length(name); },

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Core>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -32,8 +33,12 @@ constexpr const char* kSharedOptions = "Options of every command";
 /// Prints a result: the figures as one JSON object, or the text.
 void print(const Settings& settings, const Json& figures, const std::string& prose);
 
-/// A figure in JSON; null if it is not known.
+/// A figure in JSON; null if it is not known. What is not finite is null without this.
 [[nodiscard]] Json number_or_null(std::optional<double> figure);
+
+/// The numbers of a vector, and of a matrix row by row.
+[[nodiscard]] Json numbers_in(const Eigen::Ref<const Eigen::VectorXd>& vector);
+[[nodiscard]] Json rows_in(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
 /// Adds the option --unit, the unit of the coordinates in the mesh files that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);

@@ -4,31 +4,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
-
-#include "palpate/core/error.h"
-#include "palpate/sensing/frame.h"
-#include "shared/words.h"
 
 namespace palpate::apps {
-
-geometry::PixelMask read_mask(const fs::path& path, const geometry::ImageF& map) {
-  const cv::Mat image = sensing::read_frame(path);
-  if (image.channels() != 1 || image.rows != map.rows() || image.cols != map.cols()) {
-    throw InvalidInput(
-        fmt::format("{}: has {} x {} px and {}; a mask needs the {} x {} px of the range map and "
-                    "one channel, whose non-zero pixels count.",
-                    path.string(), image.cols, image.rows, counted(image.channels(), "channel"),
-                    map.cols(), map.rows()));
-  }
-  cv::Mat1b chosen;
-  cv::compare(image, 0, chosen, cv::CMP_NE);
-  geometry::PixelMask mask(chosen.rows, chosen.cols);
-  std::copy(chosen.begin(), chosen.end(), mask.data());
-  return mask;
-}
 
 Json score_figures(const geometry::RangeMapScore& score) {
   return {{"distance", score.distance},

@@ -9,11 +9,6 @@
 
 namespace palpate::apps {
 
-/// Reads an image whose non-zero pixels form a mask.
-/// \throws FileError if it cannot be read.
-/// \throws InvalidInput unless it has one channel and the size of `map`.
-[[nodiscard]] geometry::PixelMask read_mask(const fs::path& path, const geometry::ImageF& map);
-
 /// The figures of a score, with the names of `RangeMapScore`; lengths in mm.
 [[nodiscard]] Json score_figures(const geometry::RangeMapScore& score);
 

@@ -74,6 +74,14 @@ void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& fo
   }
 }
 
+void check_pictures(const std::vector<fs::path>& pictures) {
+  for (const fs::path& picture : pictures) {
+    if (picture.empty() || (is_image(picture) && !is_range_map(picture))) continue;
+    throw InvalidInput(picture.string() +
+                       ": pictures are PNG files; choose a name that ends in .png");
+  }
+}
+
 std::vector<fs::path> own_entries(const fs::path& folder, const std::string& mark,
                                   const std::regex& own) {
   std::vector<fs::path> entries;

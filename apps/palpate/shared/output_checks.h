@@ -20,6 +20,11 @@ void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::pa
 /// \throws InvalidInput also if one of `inputs` lies in `folder`.
 void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& folder);
 
+/// Pictures are PNG files.
+/// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not
+/// given.
+void check_pictures(const std::vector<fs::path>& pictures);
+
 /// Lists the entries of `folder` that an earlier run of the same command wrote, and which may be
 /// replaced. `own` matches the paths of the files that the command writes, relative to the folder
 /// and with slashes; `mark` is a file that it always writes.

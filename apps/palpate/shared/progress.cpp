@@ -47,7 +47,7 @@ Progress::~Progress() {
   if (shown_) std::fputs("\r\x1b[K", stderr);
 }
 
-void Progress::show(int done, int total) {
+void Progress::update(int done, int total) {
   InterruptedByThrowing::check();
   if (total <= 0 || !spdlog::should_log(spdlog::level::warn)) return;
   const Clock::time_point now = Clock::now();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <concepts>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -26,12 +27,15 @@ class Progress {
   /// Updates the bar, or prints a line. The first call must include work done by an earlier run,
   /// which does not count for the estimated time. Thread-safe.
   /// \throws Interrupted after Ctrl-C or SIGTERM.
-  void show(int done, int total);
+  void show(std::integral auto done, std::integral auto total) {
+    update(static_cast<int>(done), static_cast<int>(total));
+  }
 
   /// The work of the one that exists, or existed last; empty if there was none.
   [[nodiscard]] static std::string latest();
 
  private:
+  void update(int done, int total);
   void draw_bar(int done, int total, const std::string& left);
   void print_line(int done, int total, const std::string& left);
 

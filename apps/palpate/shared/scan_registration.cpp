@@ -6,7 +6,6 @@
 #include <spdlog/spdlog.h>
 
 #include <cstddef>
-#include <optional>
 
 #include "palpate/core/error.h"
 #include "shared/field_options.h"
@@ -28,10 +27,8 @@ void add_scan_registration(CLI::App& command, const std::string& noun,
 Json register_named_scans(std::vector<geometry::Scan>& scans, const std::vector<std::string>& names,
                           const std::string& noun, const ScanRegistration& registration) {
   geometry::RegistrationOptions options = registration.options;
-  std::optional<Progress> progress("registering");
-  options.progress = [&](int done, int total) { progress->show(done, total); };
+  options.progress = shown_as("registering");
   const std::vector<geometry::Registration> moves = geometry::register_scans(scans, options);
-  progress.reset();
   Json figures = Json::array();
   for (std::size_t i = 0; i < moves.size(); ++i) {
     const std::string& name = names[i + 1];

@@ -47,8 +47,8 @@ cv::Mat read_picture(const fs::path& file, const geometry::Camera& camera) {
 /// The colour image that a recording has for a depth image, if `folder` is the recording or the
 /// folder of its colour images; else empty.
 fs::path recorded_color(const fs::path& folder, const fs::path& depth_image,
-                        sensing::DepthRecordings& recordings) {
-  const std::optional<sensing::RecordedDepth> frame = recordings.find(depth_image);
+                        const MapCamera& camera) {
+  const std::optional<sensing::RecordedDepth> frame = camera.files->recordings.find(depth_image);
   if (!frame || frame->color.empty()) return {};
   std::error_code is_missing;
   for (const fs::path& place : {frame->recording, frame->color.parent_path()})
@@ -86,15 +86,14 @@ geometry::PointCloud organised_cloud(const geometry::RangeMap& map, const cv::Ma
   return cloud;
 }
 
-fs::path picture_of(const fs::path& folder, const fs::path& range_map,
-                    sensing::DepthRecordings& recordings) {
+fs::path picture_of(const fs::path& folder, const fs::path& range_map, const MapCamera& camera) {
   if (!is_folder(folder)) throw FileError(folder.string() + ": is not a folder");
   const std::string name = range_map.stem().string();
   for (const char* ending : {"_color.png", ".png", ".jpg", ".tiff"}) {
     fs::path file = folder / (name + ending);
     if (is_there(file) && !fs::equivalent(file, range_map)) return file;
   }
-  fs::path file = recorded_color(folder, range_map, recordings);
+  fs::path file = recorded_color(folder, range_map, camera);
   if (!file.empty()) return file;
   throw FileError(fmt::format("{}: has no picture of {} ({}_color.png, {}.png, {}.jpg or {}.tiff)",
                               folder.string(), range_map.filename().string(), name, name, name,
@@ -126,19 +125,18 @@ geometry::Attributes colors_beside(const fs::path& range_map, const Eigen::Matri
 }
 
 geometry::Attributes colors_in(const fs::path& folder, const fs::path& range_map,
-                               const Eigen::Matrix3Xd& vertices, const geometry::Camera& camera,
-                               sensing::DepthRecordings& recordings) {
-  const fs::path file = picture_of(folder, range_map, recordings);
-  const cv::Mat picture = read_picture(file, camera);
+                               const Eigen::Matrix3Xd& vertices, const geometry::Camera& seen_by,
+                               const MapCamera& camera) {
+  const fs::path file = picture_of(folder, range_map, camera);
+  const cv::Mat picture = read_picture(file, seen_by);
   if (picture.depth() != CV_8U) throw FileError(file.string() + ": has 16 bit; 8 are expected");
-  return colors_of(vertices, camera, picture);
+  return colors_of(vertices, seen_by, picture);
 }
 
 geometry::ImageF intensities_in(const fs::path& folder, const fs::path& range_map,
-                                const geometry::Camera& camera,
-                                sensing::DepthRecordings& recordings) {
+                                const geometry::Camera& seen_by, const MapCamera& camera) {
   cv::Mat picture;
-  read_picture(picture_of(folder, range_map, recordings), camera).convertTo(picture, CV_32F);
+  read_picture(picture_of(folder, range_map, camera), seen_by).convertTo(picture, CV_32F);
   const int channels = picture.channels();
   geometry::ImageF intensities = geometry::ImageF::Zero(picture.rows, picture.cols);
   for (int row = 0; row < picture.rows; ++row) {

@@ -6,8 +6,7 @@
 
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
-#include "palpate/sensing/depth_recording.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 
 namespace palpate::apps {
 
@@ -39,21 +38,21 @@ namespace palpate::apps {
 /// belongs to a recording (`is_depth_recording`), the picture that was taken with the depth image.
 /// \throws FileError if there is none.
 [[nodiscard]] fs::path picture_of(const fs::path& folder, const fs::path& range_map,
-                                  sensing::DepthRecordings& recordings);
+                                  const MapCamera& camera);
 
 /// Colours of the vertices of a range map's mesh, from its picture in a folder.
 /// \param vertices 3 x V [mm], camera frame
 /// \throws FileError if there is none, or if it has not 8 bit or not the size of the range map.
 [[nodiscard]] geometry::Attributes colors_in(const fs::path& folder, const fs::path& range_map,
                                              const Eigen::Matrix3Xd& vertices,
-                                             const geometry::Camera& camera,
-                                             sensing::DepthRecordings& recordings);
+                                             const geometry::Camera& seen_by,
+                                             const MapCamera& camera);
 
 /// Intensities of a range map's pixels, from its picture in a folder: of colours, the mean of the
 /// channels.
 /// \throws FileError if there is none, or if it has not the size of the range map.
 [[nodiscard]] geometry::ImageF intensities_in(const fs::path& folder, const fs::path& range_map,
-                                              const geometry::Camera& camera,
-                                              sensing::DepthRecordings& recordings);
+                                              const geometry::Camera& seen_by,
+                                              const MapCamera& camera);
 
 }  // namespace palpate::apps

@@ -18,7 +18,7 @@
 #include "palpate/geometry/cloud_selection.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/surface_colors.h"
 #include "surfaces/cloud_steps.h"

@@ -11,8 +11,7 @@
 #include "palpate/geometry/range_map_cloud.h"
 #include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/frame.h"
-#include "shared/call_checks.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/surface_colors.h"
 #include "surfaces/cloud_steps.h"
 #include "surfaces/describe_mesh.h"
@@ -22,10 +21,7 @@ namespace {
 
 /// The points of a range map or depth image, with what `decode` has written beside it.
 geometry::PointCloud read_map(const fs::path& input, const CloudSettings& settings) {
-  if (settings.points.unit)
-    throw InvalidInput(input.string() + ": --unit works for point and mesh files; " +
-                       (is_range_map(input) ? "range maps are in mm"
-                                            : "the unit of a depth image is its --scale"));
+  check_has_no_unit(input, settings.points, "point and mesh files");
   const geometry::RangeMap map = load_range_map(input, settings.camera);
   geometry::ImageF sigma;
   const fs::path beside = input.parent_path() / (input.stem().string() + "_sigma.tiff");
@@ -54,11 +50,7 @@ geometry::PointCloud read_one(const fs::path& input, const CloudSettings& settin
     throw InvalidInput(input.string() +
                        ": --color works for range maps; point and mesh files keep "
                        "the colours that they have.");
-  if (settings.camera.scale || !settings.camera.intrinsics.empty()) {
-    throw InvalidInput(input.string() + ": " +
-                       (settings.camera.scale ? "--scale" : "--intrinsics") +
-                       " works for depth images (16-bit PNG), which this is not");
-  }
+  check_is_no_depth_call(input, settings.camera);
   return geometry::read_point_cloud(input, settings.points);
 }
 

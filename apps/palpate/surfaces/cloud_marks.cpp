@@ -9,14 +9,13 @@
 #include "palpate/geometry/cloud_clusters.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/cloud_shapes.h"
+#include "shared/command_line.h"
 #include "shared/progress.h"
 #include "shared/words.h"
 #include "surfaces/cloud_steps.h"
 
 namespace palpate::apps {
 namespace {
-
-Json in_json(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
 /// The numbers of the shapes of the points, 0 for none; empty if no shape was found yet.
 std::vector<std::uint8_t> shapes_of(const geometry::PointCloud& cloud) {
@@ -87,7 +86,7 @@ void mark_plane(WorkedCloud& worked, double tolerance, const CloudSettings& sett
       geometry::find_plane(free_points(worked.cloud), shape_options(tolerance, settings));
   if (!plane) throw not_found("plane", tolerance, settings);
   mark_shape(worked, "plane", *plane,
-             {{"point", in_json(plane->point)}, {"normal", in_json(plane->normal)}},
+             {{"point", numbers_in(plane->point)}, {"normal", numbers_in(plane->normal)}},
              fmt::format("normal ({:.4f}, {:.4f}, {:.4f}), through ({:.3f}, {:.3f}, {:.3f}) mm",
                          plane->normal.x(), plane->normal.y(), plane->normal.z(), plane->point.x(),
                          plane->point.y(), plane->point.z()));
@@ -98,7 +97,7 @@ void mark_sphere(WorkedCloud& worked, double tolerance, const CloudSettings& set
       geometry::find_sphere(free_points(worked.cloud), shape_options(tolerance, settings));
   if (!sphere) throw not_found("sphere", tolerance, settings);
   mark_shape(worked, "sphere", *sphere,
-             {{"centre", in_json(sphere->centre)}, {"radius", sphere->radius}},
+             {{"centre", numbers_in(sphere->centre)}, {"radius", sphere->radius}},
              fmt::format("radius {:.4f} mm, centre ({:.3f}, {:.3f}, {:.3f}) mm", sphere->radius,
                          sphere->centre.x(), sphere->centre.y(), sphere->centre.z()));
 }
@@ -112,8 +111,8 @@ void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& s
       geometry::find_cylinder(points, *normals, shape_options(tolerance, settings));
   if (!cylinder) throw not_found("cylinder", tolerance, settings);
   mark_shape(worked, "cylinder", *cylinder,
-             {{"point", in_json(cylinder->point)},
-              {"axis", in_json(cylinder->axis)},
+             {{"point", numbers_in(cylinder->point)},
+              {"axis", numbers_in(cylinder->axis)},
               {"radius", cylinder->radius},
               {"length", cylinder->length}},
              fmt::format("radius {:.4f} mm, {:.2f} mm long, axis ({:.4f}, {:.4f}, {:.4f}) through "

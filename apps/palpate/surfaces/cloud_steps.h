@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "palpate/geometry/mesh_io.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 
 namespace palpate::apps {
 

@@ -27,7 +27,7 @@
 #include "shared/command_line.h"
 #include "shared/depth_score.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "surfaces/in_both.h"
@@ -129,31 +129,21 @@ void compare_pixels(const Settings& settings, const CompareCall& call) {
 }
 
 Json to_json(const geometry::LargestDistance& distance) {
-  return {{"lower", distance.lower},
-          {"upper", distance.upper},
-          {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
+  return {{"lower", distance.lower}, {"upper", distance.upper}, {"at", numbers_in(distance.at)}};
 }
 
 /// Moves the smaller surface onto the larger, because a reference of the object alone lies on what
 /// a sensor saw of it and its surroundings, but not vice versa.
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
                                         const geometry::TriangleMesh& b) {
-  Progress progress("aligning");
   geometry::RegistrationOptions options = call.registration;
-  options.progress = [&](int done, int total) { progress.show(done, total); };
+  options.progress = shown_as("aligning");
   if (geometry::surface_area(a) <= geometry::surface_area(b))
     return geometry::register_points(geometry::registration_points(a), b, options);
   geometry::Registration found =
       geometry::register_points(geometry::registration_points(b), a, options);
   found.T_target_source = found.T_target_source.inverse();
   return found;
-}
-
-/// A pose row by row, as `palpate merge --pose` reads it.
-Json to_json(const Eigen::Isometry3d& pose) {
-  Json rows = Json::array();
-  for (const auto& row : pose.matrix().rowwise()) rows.push_back({row[0], row[1], row[2], row[3]});
-  return rows;
 }
 
 /// Moves A onto B and adds the pose to the figures. A pose that is not accepted is an error,
@@ -174,15 +164,16 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
   }
   a.vertices = found.T_target_source * a.vertices;
   const Eigen::AngleAxisd turn(found.T_target_source.linear());
-  figures["aligned"] = {{"rotation", turn.angle()},
-                        {"translation", found.T_target_source.translation().norm()},
-                        {"pose", to_json(found.T_target_source)},
-                        {"verdict", geometry::to_string(found.verdict)},
-                        {"reason", found.reason},
-                        {"rms", found.rms},
-                        {"median", found.median},
-                        {"overlap", found.overlap},
-                        {"starts", found.starts}};
+  figures["aligned"] = {
+      {"rotation", turn.angle()},
+      {"translation", found.T_target_source.translation().norm()},
+      {"pose", rows_in(found.T_target_source.matrix())},  // as `palpate merge --pose` reads it
+      {"verdict", geometry::to_string(found.verdict)},
+      {"reason", found.reason},
+      {"rms", found.rms},
+      {"median", found.median},
+      {"overlap", found.overlap},
+      {"starts", found.starts}};
   return fmt::format("A was rotated by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
                      turn.angle(), found.T_target_source.translation().norm(), found.reason);
 }
@@ -249,8 +240,7 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
         prose + fmt::format(
                     "Distance of A's surface from B's, over its area: RMS {:.3f} mm, signed mean "
                     "{:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm.\n"
-                    "{}"
-                    "Hausdorff distance: A to B at most {:.3f} mm (at least {:.3f}), B to A at "
+                    "{}Hausdorff distance: A to B at most {:.3f} mm (at least {:.3f}), B to A at "
                     "most {:.3f} mm (at least {:.3f}).",
                     spread.rms, spread.mean, spread.median, spread.p90, in_words(in_both),
                     largest.a_to_b.upper, largest.a_to_b.lower, largest.b_to_a.upper,
@@ -279,9 +269,8 @@ void add_compare(CLI::App& app, const Settings& settings) {
                    "With --align: also write surface A at its new pose (.ply, .obj or .stl)")
       ->needs(align);
   add_number(*command, "--within", call->within, above(0),
-             "Ignore points of A farther than this from B [mm], for example surroundings of "
-             "the object "
-             "that the sensor saw too");
+             "Ignore points of A farther than this from B [mm], for example surroundings of the "
+             "object that the sensor saw too");
   CLI::Option* section =
       command
           ->add_option("--section", call->section,

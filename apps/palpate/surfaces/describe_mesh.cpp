@@ -198,7 +198,7 @@ Description describe_points(const fs::path& path, const geometry::PointCloud& cl
 }
 
 Json corner(const Eigen::Vector3d& corner) {
-  return corner.allFinite() ? Json{corner.x(), corner.y(), corner.z()} : Json(nullptr);
+  return corner.allFinite() ? numbers_in(corner) : Json(nullptr);
 }
 
 /// Where the points are, and how far each is from its nearest.
@@ -239,8 +239,8 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
   Description result = {{{"kind", "mesh"},
                          {"vertices", mesh.vertices.cols()},
                          {"triangles", mesh.triangles.cols()},
-                         {"min", {low.x(), low.y(), low.z()}},
-                         {"max", {high.x(), high.y(), high.z()}},
+                         {"min", numbers_in(low)},
+                         {"max", numbers_in(high)},
                          {"unit", file.unit.length},
                          {"unit_source", name_of(file.unit.source)},
                          {"vertex_attributes", names_of(file.vertex_attributes)},

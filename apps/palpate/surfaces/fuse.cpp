@@ -21,7 +21,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/pose_file.h"
 #include "shared/progress.h"
@@ -47,18 +47,10 @@ std::vector<fs::path> list_scans(const FuseCall& call) {
   if (is_folder(first) || is_range_map(first) || is_image(first)) {
     std::vector<fs::path> maps = list_range_maps(call.inputs, call.camera);
     check_camera_options(maps.front(), call.camera);
-    if (call.meshes.unit) {
-      throw InvalidInput(first.string() +
-                         ": --unit works for mesh files; range maps are in mm, and the unit of a "
-                         "depth image is its --scale");
-    }
+    check_has_no_unit(maps.front(), call.meshes);
     return maps;
   }
-  if (geometry::selects(call.camera.selection) || !call.camera.mask.empty()) {
-    throw InvalidInput(first.string() +
-                       ": --near, --far, --crop, --mask and --remove-plane work for range maps and "
-                       "depth images, not for meshes.");
-  }
+  check_selects_nothing(first, call.camera);
   for (const fs::path& input : call.inputs) {
     if (is_folder(input) || is_range_map(input) || is_image(input)) {
       throw InvalidInput(input.string() + ": is not a mesh as " + first.string() +

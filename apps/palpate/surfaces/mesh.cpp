@@ -11,7 +11,7 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "surfaces/mesh_sequence.h"

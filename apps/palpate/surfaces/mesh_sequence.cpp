@@ -14,7 +14,7 @@
 #include "palpate/core/work_in_order.h"
 #include "shards/shard_run.h"
 #include "shared/fingerprint.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "shared/result_folder.h"
@@ -125,7 +125,7 @@ fs::path picture_for(const MeshCall& call, const fs::path& range_map) {
   try {
     if (call.steps.color) return color_beside(range_map);
     if (!call.steps.color_images.empty())
-      return picture_of(call.steps.color_images, range_map, call.steps.camera.files->recordings);
+      return picture_of(call.steps.color_images, range_map, call.steps.camera);
   } catch (const FileError&) {
     // The mesh tells that it is missing.
   }
@@ -188,7 +188,7 @@ SequenceReport mesh_all(const MeshCall& call, const std::vector<fs::path>& maps)
     add_to(report, item.input.filename().string(), call.output / item.output.filename(),
            item.figures, item.error);
     InterruptMessage::set_kept(kept());
-    progress.show(static_cast<int>(report.per_mesh.size()), static_cast<int>(maps.size()));
+    progress.show(report.per_mesh.size(), maps.size());
   });
   refuse_if_all_are_broken(report);
   folder.finish([](const fs::path&) { return true; });
@@ -222,8 +222,7 @@ void mesh_shard(const Settings& settings, const CLI::App& command, const MeshCal
   Progress progress("meshing");
   const InterruptMessage message("shard " + to_string(*call.shard) + " is not finished");
   make_all(call, maps, block, call.output, [&](SequenceItem& item) {
-    progress.show(static_cast<int>(item.number - block.first) + 1,
-                  static_cast<int>(block.end - block.first));
+    progress.show(item.number - block.first + 1, block.end - block.first);
     if (!item.error.empty()) spdlog::error("{}", item.error);
     run.add({.number = item.number,
              .name = item.input.filename().string(),

@@ -29,15 +29,6 @@
 namespace palpate::apps {
 namespace {
 
-geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
-  if (steps.meshes.unit) {
-    throw InvalidInput(input.string() + ": --unit works for mesh files; " +
-                       (is_range_map(input) ? "range maps are in mm"
-                                            : "the unit of a depth image is its --scale"));
-  }
-  return load_range_map(input, steps.camera);
-}
-
 /// The deviations that `decode --sigma` has written beside the range map: those of the noise, if
 /// the rig's part, which moves neighbours alike, is known apart.
 geometry::ImageF deviations_beside(const fs::path& input) {
@@ -94,15 +85,8 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     if (steps.smooth_depths)
       throw InvalidInput(input.string() +
                          ": --smooth-depths works for range maps, not for meshes.");
-    if (steps.camera.scale || !steps.camera.intrinsics.empty()) {
-      throw InvalidInput(input.string() + ": " + (steps.camera.scale ? "--scale" : "--intrinsics") +
-                         " works for depth images (16-bit PNG), which this is not");
-    }
-    if (geometry::selects(steps.camera.selection) || !steps.camera.mask.empty()) {
-      throw InvalidInput(input.string() +
-                         ": --near, --far, --crop, --mask and --remove-plane work for range maps "
-                         "and depth images, not for meshes.");
-    }
+    check_is_no_depth_call(input, steps.camera);
+    check_selects_nothing(input, steps.camera);
     if (lower_extension(input) == ".pcd") {
       throw InvalidInput(input.string() +
                          ": holds points without a surface. If they are organised, a point per "
@@ -117,7 +101,8 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     }
     return from_file(geometry::read_mesh_file(input, options));
   }
-  geometry::RangeMap map = load_map(input, steps);
+  check_has_no_unit(input, steps.meshes);
+  geometry::RangeMap map = load_range_map(input, steps.camera);
   if (steps.smooth_depths) smooth_depths(input, steps.noise, map);
   const auto known = (map.z == map.z).count();
   MadeMesh made;
@@ -302,8 +287,8 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.decimation.tolerance || steps.decimation.max_triangles) decimate(input, made, steps);
   if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);
   if (!steps.color_images.empty())
-    made.attributes = colors_in(steps.color_images, input, made.mesh.vertices, made.camera,
-                                steps.camera.files->recordings);
+    made.attributes =
+        colors_in(steps.color_images, input, made.mesh.vertices, made.camera, steps.camera);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

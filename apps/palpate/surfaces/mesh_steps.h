@@ -14,7 +14,7 @@
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/texture.h"
 #include "palpate/geometry/triangle_mesh.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 
 namespace palpate::apps {
 

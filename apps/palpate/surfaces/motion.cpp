@@ -160,7 +160,7 @@ std::vector<FrameFigures> write_frames(const MotionCall& call, const MotionSeque
     figures.back().file = (call.output / mesh_name(call, frames[i])).string();
     figures.back().time = frames[i].time / rate.value_or(1);
     geometry::write_mesh_file(folder / mesh_name(call, frames[i]), frame);
-    progress.show(static_cast<int>(i + 1), static_cast<int>(frames.size()));
+    progress.show(i + 1, frames.size());
   }
   if (call.format == "vtk") {
     write_file(folder / kSeries, [&](std::ostream& out) { out << series_of(figures); });
@@ -173,8 +173,7 @@ std::string motion_in_words(const MotionCall& call, const std::vector<FrameFigur
   for (const FrameFigures& of : frames) {
     words += fmt::format(
         "{}: displacement {:.3g} mm (RMS), at most {:.3g} mm; stretches from {:.3f} to {:.3f}; "
-        "area "
-        "{:.3f}\n",
+        "area {:.3f}\n",
         of.file, of.displacement, of.displacement_max, of.stretch_min, of.stretch_max, of.area);
   }
   return words + fmt::format("{} meshes written to {}; stretches are those of 99 % of the vertices",

@@ -133,7 +133,7 @@ void path(const Settings& settings, const PathCall& call) {
     const std::size_t count = paths[i] ? paths[i]->points.size() : 0;
     const std::string place = fmt::format("{:.3f}, {:.3f}, {:.3f}", at.x(), at.y(), at.z());
     figures["paths"].push_back(
-        {{"to", {at.x(), at.y(), at.z()}},
+        {{"to", numbers_in(at)},
          {"length", number_or_null(paths[i] ? std::optional(paths[i]->length) : std::nullopt)},
          {"points", count}});
     prose += paths[i] ? fmt::format("to {}: {:.6g} mm, {} points\n", place, paths[i]->length, count)

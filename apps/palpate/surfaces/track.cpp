@@ -21,7 +21,7 @@
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/fingerprint.h"
-#include "shared/inputs.h"
+#include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
 #include "shared/result_folder.h"
@@ -61,17 +61,12 @@ struct Reference {
 Reference load_reference(const TrackCall& call, const fs::path& first_map) {
   Reference reference{.file = call.reference.empty() ? first_map : call.reference, .mesh = {}};
   if (is_image(reference.file)) {
-    if (call.meshes.unit) {
-      throw InvalidInput(reference.file.string() + ": --unit is for mesh files; " +
-                         (is_range_map(reference.file)
-                              ? "range maps are in mm"
-                              : "the unit of a depth image is its --scale"));
-    }
+    check_has_no_unit(reference.file, call.meshes);
     const geometry::RangeMap map = load_range_map(reference.file, call.camera);
     reference.mesh = geometry::mesh_range_map(map).mesh;
     if (!call.color_images.empty() && call.reference.empty()) {
       reference.colors = colors_in(call.color_images, reference.file, reference.mesh.vertices,
-                                   map.camera, call.camera.files->recordings);
+                                   map.camera, call.camera);
     }
   } else {
     reference.mesh = geometry::read_mesh(reference.file, call.meshes);
@@ -92,8 +87,7 @@ std::string content_of(const TrackCall& call, const fs::path& range_map) {
   if (!call.camera.mask.empty()) content += fingerprint(mask_file(range_map, call.camera.mask));
   if (!call.color_images.empty()) {
     try {
-      content +=
-          fingerprint(picture_of(call.color_images, range_map, call.camera.files->recordings));
+      content += fingerprint(picture_of(call.color_images, range_map, call.camera));
     } catch (const FileError&) {
       content += "none";  // a frame that is lost needs no picture
     }
@@ -137,7 +131,7 @@ struct FrameResult {
 geometry::ImageF image_of(const TrackCall& call, const fs::path& file,
                           const geometry::Camera& camera) {
   if (call.color_images.empty()) return {};
-  return intensities_in(call.color_images, file, camera, call.camera.files->recordings);
+  return intensities_in(call.color_images, file, camera, call.camera);
 }
 
 /// \throws InvalidInput if the first surface that was measured is not where the reference lies.
@@ -200,7 +194,7 @@ void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const R
   const InterruptMessage message({});
   const auto show = [&] {
     InterruptMessage::set_kept(folder.what_is_kept(tracking.recorded, maps.size()));
-    progress.show(static_cast<int>(tracking.frames.size()), static_cast<int>(maps.size()));
+    progress.show(tracking.frames.size(), maps.size());
   };
   show();
   const Clock::time_point start = Clock::now();

@@ -17,6 +17,7 @@
 #include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
 #include "shared/depth_score.h"
+#include "shared/map_camera.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {
@@ -89,7 +90,7 @@ Json demo_seeing(const fs::path& data, const fs::path& output) {
   Progress progress("seeing");
   for (const DemoFrame& frame : frames) {
     figures.push_back(see(frame, pattern, colors, output));
-    progress.show(static_cast<int>(figures.size()), static_cast<int>(frames.size()));
+    progress.show(figures.size(), frames.size());
   }
   mesh_depth_camera(data, output);
   return figures;

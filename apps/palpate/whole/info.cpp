@@ -16,7 +16,6 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
-#include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/reason_image.h"
 #include "shared/command_line.h"
@@ -166,8 +165,7 @@ std::string laws_in_words(const haptics::Model& model) {
   }
   for (const haptics::RateTerm& term : model.rate) {
     prose += fmt::format(
-        "  rate: {:.1f} % of the force comes on top after a motion, and fades in "
-        "{:.3g} s\n",
+        "  rate: {:.1f} % of the force comes on top after a motion, and fades in {:.3g} s\n",
         100 * term.share, term.time);
   }
   return prose;
@@ -215,8 +213,7 @@ Description describe_model(const fs::path& path) {
       "model, {} in {}, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {} in the median, {} at most\n"
-      "  friction coefficient: {}\n{}"
-      "  measured with a ball of {}\n"
+      "  friction coefficient: {}\n{}  measured with a ball of {}\n"
       "  {}: {} bytes, {:.0f} a contact",
       counted(model.contacts.size(), "contact"), counted(model.triangles.cols(), "triangle"),
       model.surface.vertices.cols(), base_counts.median, base_counts.max, newtons(errors.median),
@@ -253,11 +250,6 @@ Description describe_model(const fs::path& path) {
            {"bytes", bytes},
            {"made", made}},
           prose};
-}
-
-bool is_depth_image(const fs::path& path) {
-  const std::optional<sensing::PngPixels> pixels = sensing::read_png_pixels(path);
-  return pixels && sensing::may_be_depths(*pixels);
 }
 
 /// What a folder of range maps and images holds; not what it does not.
