@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -113,36 +114,16 @@ Json settings_of(TrackCall call, const fs::path& reference, const fs::path& firs
   return settings;
 }
 
-/// The frames, and what this run has to say of them beyond the record.
-struct Tracking {
-  std::vector<TrackedFrame> frames;
-  std::size_t kept = 0;
-  std::size_t recorded = 0;  ///< of `frames`, with those that are kept
-  double seconds = 0;        ///< for those that are not kept
-};
-
-/// What became of a range map, and the surface in it unless it is lost.
-struct FrameResult {
-  TrackedFrame frame;
-  geometry::TrackedSurface found;
-};
-
-/// The image to follow the texture in; empty if none is used.
-geometry::ImageF image_of(const TrackCall& call, const fs::path& file,
-                          const geometry::Camera& camera) {
-  if (call.color_images.empty()) return {};
-  return intensities_in(call.color_images, file, camera, call.camera);
-}
-
+/// The surface in a range map; or why it is lost, which is told.
 /// \throws InvalidInput if the first surface that was measured is not where the reference lies.
-FrameResult track_one(const TrackCall& call, const Reference& reference, const ToolPlaces& tool,
-                      const fs::path& file, geometry::SurfaceTracker& tracker) {
-  const auto lost = [&](const std::string& why) {
+geometry::TrackedSurface track_one(const TrackCall& call, const Reference& reference,
+                                   const ToolPlaces& tool, const fs::path& file,
+                                   geometry::SurfaceTracker& tracker) {
+  const auto lost = [](const std::string& why) {
     spdlog::error("{}", why);
-    return FrameResult{.frame = {.range_map = file.filename().string(),
-                                 .fingerprint = content_of(call, file),
-                                 .lost = why},
-                       .found = {}};
+    geometry::TrackedSurface none;
+    none.lost = why;
+    return none;
   };
   geometry::RangeMap map;
   try {
@@ -151,15 +132,11 @@ FrameResult track_one(const TrackCall& call, const Reference& reference, const T
     return lost(error.what());
   }
   if (!(map.z > 0).any()) return lost(file.string() + ": no pixel has a depth");
-  geometry::TrackedSurface found =
-      tracker.track(map, tool.in(file), image_of(call, file, map.camera));
-  if (found.lost.empty()) {
-    const TrackedFrame frame{.range_map = file.filename().string(),
-                             .fingerprint = content_of(call, file),
-                             .lost = {},
-                             .figures = found.figures};
-    return {.frame = frame, .found = std::move(found)};
-  }
+  geometry::ImageF image;  // to follow the texture in
+  if (!call.color_images.empty())
+    image = intensities_in(call.color_images, file, map.camera, call.camera);
+  geometry::TrackedSurface found = tracker.track(map, tool.in(file), image);
+  if (found.lost.empty()) return found;
   if (!tracker.has_start()) {
     throw InvalidInput(fmt::format(
         "{}: does not lie at the pose of the first frame, {}: {}. Give a reference at that pose, "
@@ -170,57 +147,59 @@ FrameResult track_one(const TrackCall& call, const Reference& reference, const T
   return lost(file.string() + ": " + found.lost);
 }
 
-/// Tracks the frames that are not kept, and adds them to `tracking`.
-void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const Reference& reference,
-               const ResultFolder& folder, TrackRecord& record, Tracking& tracking) {
+/// Tracks the frames that are not kept, and adds them to the record.
+/// \return [s] for these.
+double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
+                 const Reference& reference, const ResultFolder& folder, TrackRecord& record) {
+  const std::vector<TrackedFrame>& frames = record.frames();
   geometry::SurfaceTracker tracker(call.tracking, reference.mesh);
   const ToolPlaces tool =
       call.acquisition.empty() ? ToolPlaces() : ToolPlaces(call.acquisition, reference.mesh);
-  for (const TrackedFrame& frame : tracking.frames) {
+  for (const TrackedFrame& frame : frames) {
     if (!frame.lost.empty()) spdlog::error("{}", frame.lost);
   }
   const auto is_found = [](const TrackedFrame& frame) { return frame.lost.empty(); };
-  const auto first = std::ranges::find_if(tracking.frames, is_found);
-  if (first != tracking.frames.end() && !call.color_images.empty()) {
+  const auto first = std::ranges::find_if(frames, is_found);
+  if (first != frames.end() && !call.color_images.empty()) {
     // It tells the texture.
-    const auto index = static_cast<std::size_t>(first - tracking.frames.begin());
+    const auto index = static_cast<std::size_t>(first - frames.begin());
     (void)track_one(call, reference, tool, maps[index], tracker);
   }
-  const auto last = std::find_if(tracking.frames.rbegin(), tracking.frames.rend(), is_found);
-  if (last != tracking.frames.rend())
+  const auto last = std::find_if(frames.rbegin(), frames.rend(), is_found);
+  if (last != frames.rend())
     tracker.start_from(read_node_motions(nodes_file(call.outputs, last->range_map),
                                          tracker.graph().nodes().cols()));
   Progress progress("tracking");
   const InterruptMessage message({});
   const auto show = [&] {
-    InterruptMessage::set_kept(folder.what_is_kept(tracking.recorded, maps.size()));
-    progress.show(tracking.frames.size(), maps.size());
+    InterruptMessage::set_kept(folder.what_is_kept(record.written(), maps.size()));
+    progress.show(frames.size(), maps.size());
   };
   show();
   const Clock::time_point start = Clock::now();
-  while (tracking.frames.size() < maps.size()) {
-    const fs::path& file = maps[tracking.frames.size()];
-    const FrameResult result = track_one(call, reference, tool, file, tracker);
-    tracking.frames.push_back(result.frame);
-    const bool was_found = result.frame.lost.empty();
+  while (frames.size() < maps.size()) {
+    const fs::path& file = maps[frames.size()];
+    const geometry::TrackedSurface found = track_one(call, reference, tool, file, tracker);
+    record.add({.range_map = file.filename().string(),
+                .fingerprint = content_of(call, file),
+                .lost = found.lost,
+                .figures = found.figures});
+    const bool was_found = found.lost.empty();
     // Before a frame is found nothing is written: the call may be wrong.
     if (tracker.has_start()) {
-      if (tracking.recorded == tracking.kept) folder.begin();
+      if (record.written() == record.kept()) folder.begin();
       record.begin();
-      if (was_found)
-        write_outputs(call.outputs, file, reference.colors, tracker.graph(), result.found);
-      for (; tracking.recorded < tracking.frames.size(); ++tracking.recorded)
-        record.add(tracking.frames[tracking.recorded]);
+      if (was_found) write_outputs(call.outputs, file, reference.colors, tracker.graph(), found);
+      record.write();
     }
     if (was_found) {
-      const geometry::TrackingFigures& figures = result.frame.figures;
       spdlog::info("{}: RMS {:.3f} mm, {:.1f} % of the vertices measured, {} iterations{}",
-                   file.string(), figures.rms, 100 * figures.measured, figures.iterations,
-                   figures.settled ? "" : ", not settled");
+                   file.string(), found.figures.rms, 100 * found.figures.measured,
+                   found.figures.iterations, found.figures.settled ? "" : ", not settled");
     }
     show();
   }
-  tracking.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 /// Warns if the range maps hardly show how the surface moves along itself.
@@ -240,39 +219,39 @@ void doubt_motion_along(double sigma, double noise, bool has_images) {
       has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
 }
 
-void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
-            const geometry::TriangleMesh& mesh) {
+/// \param seconds for the frames that were not kept.
+void report(const Settings& settings, const TrackCall& call, const TrackRecord& record,
+            const geometry::TriangleMesh& mesh, double seconds) {
+  const std::vector<TrackedFrame>& frames = record.frames();
   Json per_frame = Json::array();
-  Json lost = Json::array();
-  std::string prose, lost_names;
+  std::string prose;
+  std::vector<std::string> lost;
   std::vector<double> rms, noise, across, along;
-  for (std::size_t i = 0; i < tracking.frames.size(); ++i) {
-    const TrackedFrame& frame = tracking.frames[i];
-    Json entry = to_json(frame);
-    entry["kept"] = i < tracking.kept;
-    if (frame.lost.empty()) {
-      const std::string file = (call.output / mesh_name(call.outputs, frame.range_map)).string();
-      entry["file"] = file;
-      const geometry::TrackingFigures& figures = frame.figures;
-      rms.push_back(figures.rms);
-      // A range map says nothing new of the surface that is made from it.
-      if (i > 0 || !call.reference.empty()) {
-        noise.push_back(figures.rms);
-        across.push_back(figures.sigma_across);
-        along.push_back(figures.sigma_along);
-      }
-      prose += fmt::format(
-          "{} -> {}: RMS {:.3f} mm, 95 % within {:.3f} mm, largest {:.3f} mm; {:.1f} % of the "
-          "vertices measured{}{}\n",
-          frame.range_map, file, figures.rms, figures.p95, figures.max, 100 * figures.measured,
-          figures.settled ? "" : "; not settled",
-          i < tracking.kept ? "; kept from an earlier run" : "");
-    } else {
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const TrackedFrame& frame = frames[i];
+    Json& entry = per_frame.emplace_back(to_json(frame));
+    entry["kept"] = i < record.kept();
+    if (!frame.lost.empty()) {
       lost.push_back(frame.range_map);
-      lost_names += (lost_names.empty() ? "" : ", ") + frame.range_map;
       prose += fmt::format("{}: lost\n", frame.range_map);
+      continue;
     }
-    per_frame.push_back(std::move(entry));
+    const std::string file = (call.output / mesh_name(call.outputs, frame.range_map)).string();
+    entry["file"] = file;
+    const geometry::TrackingFigures& figures = frame.figures;
+    rms.push_back(figures.rms);
+    // A range map says nothing new of the surface that is made from it.
+    if (i > 0 || !call.reference.empty()) {
+      noise.push_back(figures.rms);
+      across.push_back(figures.sigma_across);
+      along.push_back(figures.sigma_along);
+    }
+    prose += fmt::format(
+        "{} -> {}: RMS {:.3f} mm, 95 % within {:.3f} mm, largest {:.3f} mm; {:.1f} % of the "
+        "vertices measured{}{}\n",
+        frame.range_map, file, figures.rms, figures.p95, figures.max, 100 * figures.measured,
+        figures.settled ? "" : "; not settled",
+        i < record.kept() ? "; kept from an earlier run" : "");
   }
   const geometry::ErrorStatistics of_rms = geometry::error_statistics(rms);
   const double sigma_across = geometry::error_statistics(across).median;
@@ -286,11 +265,11 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
                           "; standard deviation of the vertices {:.2g} mm across the "
                           "surface, {:.2g} mm along it",
                           sigma_across, sigma_along);
-  const double done = static_cast<double>(tracking.frames.size() - tracking.kept);
+  const double done = static_cast<double>(frames.size() - record.kept());
   print(settings,
-        {{"range_maps", tracking.frames.size()},
+        {{"range_maps", frames.size()},
          {"meshes", rms.size()},
-         {"kept", tracking.kept},
+         {"kept", record.kept()},
          {"lost", lost},
          {"vertices", mesh.vertices.cols()},
          {"triangles", mesh.triangles.cols()},
@@ -298,25 +277,23 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
          {"largest_rms", of_rms.max},
          {"median_sigma_across", sigma_across},
          {"median_sigma_along", sigma_along},
-         {"seconds_per_frame", tracking.seconds / done},
+         {"seconds_per_frame", seconds / done},
          {"per_frame", per_frame}},
         prose + fmt::format("{} of {} range maps became meshes of {} vertices and {} triangles in "
                             "{}; RMS {:.3f} mm (median of the frames), at most {:.3f} mm{}.",
-                            rms.size(), tracking.frames.size(), mesh.vertices.cols(),
-                            mesh.triangles.cols(), call.output.string(), of_rms.median, of_rms.max,
-                            deviations));
+                            rms.size(), frames.size(), mesh.vertices.cols(), mesh.triangles.cols(),
+                            call.output.string(), of_rms.median, of_rms.max, deviations));
   if (!lost.empty()) {
     throw Error(fmt::format("{} of {} frames were lost ({}); the others have their meshes.",
-                            lost.size(), tracking.frames.size(), lost_names));
+                            lost.size(), frames.size(), fmt::join(lost, ", ")));
   }
 }
 
 void track(const Settings& settings, TrackCall call) {
   if (!is_folder(call.input)) {
-    throw InvalidInput(
-        call.input.string() +
-        ": is a file; give a folder of range maps, as palpate decode writes them, or of "
-        "depth images.");
+    throw InvalidInput(call.input.string() +
+                       ": is a file; give a folder of range maps, as palpate decode writes them, "
+                       "or of depth images.");
   }
   const std::vector<fs::path> maps = list_range_maps({call.input}, call.camera);
   check_output_folder(
@@ -337,22 +314,19 @@ void track(const Settings& settings, TrackCall call) {
       return frame.fingerprint == content_of(call, range_map) && has_outputs(call.outputs, frame);
     });
   }
-  Tracking tracking{
-      .frames = record.kept(), .kept = record.kept().size(), .recorded = record.kept().size()};
+  double seconds = 0;
   try {
-    track_all(call, maps, reference, folder, record, tracking);
+    seconds = track_all(call, maps, reference, folder, record);
   } catch (const OutputError&) {
-    spdlog::warn("{}", folder.what_is_kept(tracking.recorded, maps.size()));
+    spdlog::warn("{}", folder.what_is_kept(record.written(), maps.size()));
     throw;
   }
-  const bool is_lost = std::ranges::none_of(
-      tracking.frames, [](const TrackedFrame& frame) { return frame.lost.empty(); });
-  if (is_lost) throw FileError(tracking.frames.front().lost);
   std::set<std::string> found;
-  for (const TrackedFrame& frame : tracking.frames)
+  for (const TrackedFrame& frame : record.frames())
     if (frame.lost.empty()) found.insert(fs::path(frame.range_map).stem().string());
+  if (found.empty()) throw FileError(record.frames().front().lost);
   folder.finish([&](const fs::path& file) { return found.contains(file.stem().string()); });
-  report(settings, call, tracking, reference.mesh);
+  report(settings, call, record, reference.mesh, seconds);
 }
 
 }  // namespace
@@ -381,7 +355,7 @@ void add_track(CLI::App& app, const Settings& settings) {
   add_word(*command, "--format", call->outputs.format, {"ply", "obj"},
            "Format of the meshes: ply or obj")
       ->capture_default_str();
-  const std::vector<CLI::Option*> tracking = add_fields(*command, fields_of(call->tracking));
+  add_fields(*command, fields_of(call->tracking));
   command->add_option(
       "--acquisition", call->acquisition,
       "Campaign of the range maps (acquisition.db of palpate probe run --camera). Its samples give "
@@ -412,14 +386,10 @@ void add_track(CLI::App& app, const Settings& settings) {
       "  palpate track range/ --reference surface.ply --acquisition acquisition.db -o meshes/\n"
       "  palpate track depth/ --scale 1 --intrinsics 600,600,320,240 --color-images color/ -o "
       "meshes/");
-  command->callback([call, tracking, &settings] {
+  command->callback([call, command, &settings] {
     if (!call->acquisition.empty()) {
       call->tracking.from_reference = true;
-      const auto is_given = [&](const char* name) {
-        return std::ranges::any_of(tracking, [&](const CLI::Option* option) {
-          return option->check_name(name) && option->count() > 0;
-        });
-      };
+      const auto is_given = [&](const char* name) { return command->count(name) > 0; };
       if (!is_given("--hold")) call->tracking.hold = kHeld;
       if (!is_given("--stiffness")) call->tracking.stiffness = kHeldStiffness;
     }

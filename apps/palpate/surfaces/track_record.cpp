@@ -8,7 +8,6 @@
 #include <fstream>
 #include <limits>
 #include <set>
-#include <utility>
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
@@ -157,13 +156,14 @@ void TrackRecord::resume(const std::function<bool(const TrackedFrame&, const fs:
     check_inputs(record.head);
     for (std::size_t i = 0; i < std::min(record.items.size(), inputs_.size()); ++i) {
       const TrackedFrame frame = tracked_frame(record.items[i]);
-      if (frame.range_map != inputs_[i].filename() || !is_kept(frame, inputs_[i])) return;
-      kept_.push_back(frame);
+      if (frame.range_map != inputs_[i].filename() || !is_kept(frame, inputs_[i])) break;
+      frames_.push_back(frame);
     }
   } catch (const Json::exception& error) {
     throw FileError(fmt::format("{}: this is not a record of palpate track ({}). {}.",
                                 path().string(), error.what(), kTrackRemedy));
   }
+  kept_ = written_ = frames_.size();
 }
 
 void TrackRecord::begin() {
@@ -172,13 +172,13 @@ void TrackRecord::begin() {
   for (const fs::path& input : inputs_) names.push_back(input.filename().string());
   RunRecord record{.head = {{"kind", kTrackRecord}, {"settings", settings_}, {"inputs", names}},
                    .items = {}};
-  for (const TrackedFrame& frame : kept_) record.items.push_back(to_json(frame));
+  for (std::size_t i = 0; i < kept_; ++i) record.items.push_back(to_json(frames_[i]));
   writer_.emplace(path(), record);
 }
 
-void TrackRecord::add(const TrackedFrame& frame) {
+void TrackRecord::write() {
   begin();
-  writer_->add(to_json(frame));
+  for (; written_ < frames_.size(); ++written_) writer_->add(to_json(frames_[written_]));
 }
 
 }  // namespace palpate::apps

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "palpate/geometry/surface_tracker.h"
@@ -49,15 +50,22 @@ class TrackRecord {
   /// \throws FileError if the record cannot be read.
   void resume(const std::function<bool(const TrackedFrame&, const fs::path&)>& is_kept);
 
-  /// Frames that are taken over: those of the first range maps.
-  [[nodiscard]] const std::vector<TrackedFrame>& kept() const { return kept_; }
+  /// The frames so far: those that are taken over, which are of the first range maps, and those
+  /// that were added.
+  [[nodiscard]] const std::vector<TrackedFrame>& frames() const { return frames_; }
+  /// Number of frames that are taken over.
+  [[nodiscard]] std::size_t kept() const { return kept_; }
+  /// Number of frames that are written, with those that are taken over.
+  [[nodiscard]] std::size_t written() const { return written_; }
 
   /// Starts the record with the frames that are kept. Later calls do nothing.
   /// \throws OutputError.
   void begin();
 
+  void add(TrackedFrame frame) { frames_.push_back(std::move(frame)); }
+  /// Writes the frames that were added.
   /// \throws OutputError.
-  void add(const TrackedFrame& frame);
+  void write();
 
  private:
   [[nodiscard]] fs::path path() const;
@@ -66,7 +74,8 @@ class TrackRecord {
   fs::path folder_;
   Json settings_;
   std::vector<fs::path> inputs_;
-  std::vector<TrackedFrame> kept_;
+  std::vector<TrackedFrame> frames_;
+  std::size_t kept_ = 0, written_ = 0;     ///< of `frames_`
   std::optional<RunRecordWriter> writer_;  ///< after `begin`
 };
 
