@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "run_palpate.h"
-#include "shared/folder_lock.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 namespace {

@@ -15,7 +15,7 @@
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
 #include "palpate/core/work_in_order.h"
-#include "shared/bundled_files.h"
+#include "shared/program.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {

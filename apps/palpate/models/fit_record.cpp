@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <initializer_list>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -45,30 +44,14 @@ struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The value that `to_string` has the word for.
+// The value, from 0 to `last`, that `to_string` has the word for.
 template <typename Value>
-Value to_value(const Json& json, std::initializer_list<Value> values) {
+Value to_value(const Json& json, Value last) {
   const auto word = json.get<std::string>();
-  for (const Value value : values) {
-    if (word == haptics::to_string(value)) return value;
+  for (int i = 0; i <= static_cast<int>(last); ++i) {
+    if (word == haptics::to_string(static_cast<Value>(i))) return static_cast<Value>(i);
   }
   throw Damaged(fmt::format("\"{}\" is no word of it", word));
-}
-
-haptics::FitStop to_stop(const Json& json) {
-  using enum haptics::FitStop;
-  return to_value(json, {accurate, explained, unexplained, rigid, max_bases, no_gain, not_converged,
-                         not_determined});
-}
-
-haptics::FitMode to_mode(const Json& json) {
-  using enum haptics::FitMode;
-  return to_value(json, {convex, certified, local});
-}
-
-haptics::Passivity to_passivity(const Json& json) {
-  using enum haptics::Passivity;
-  return to_value(json, {convex, certified, violated, undecided});
 }
 
 Json to_json(const haptics::FitResult& fit) {
@@ -113,10 +96,10 @@ haptics::FitResult to_fit(const Json& json) {
   }
   fit.rms = to_number(json.at("rms"));
   fit.iterations = json.at("iterations");
-  fit.stop = to_stop(json.at("stop"));
+  fit.stop = to_value(json.at("stop"), haptics::FitStop::not_determined);
   fit.smallest_stiffness = to_number(json.at("smallest_stiffness"));
-  fit.mode = to_mode(json.at("mode"));
-  fit.certificate.passivity = to_passivity(json.at("passivity"));
+  fit.mode = to_value(json.at("mode"), haptics::FitMode::local);
+  fit.certificate.passivity = to_value(json.at("passivity"), haptics::Passivity::undecided);
   fit.certificate.volume.radius = to_number(json.at("radius"));
   fit.chi2 = to_number(json.at("chi2"));
   fit.outliers = json.at("outliers");

@@ -3,18 +3,20 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <vector>
 
 #include "models/play_device.h"
-#include "models/play_options.h"
 #include "models/play_scene.h"
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/tool_radius.h"
 #include "palpate/haptics/trajectory_csv.h"
@@ -29,6 +31,103 @@
 
 namespace palpate::apps {
 namespace {
+
+/// What a call of `palpate play` does, as a bit.
+enum PlayWay : unsigned {
+  kAlong = 1,          ///< forces along a trajectory, without a device
+  kWithSimulated = 2,  ///< the loop with a simulated device
+  kWithDriver = 4,     ///< the loop with a device behind a driver
+  kReplaying = 8,
+  kStabilityOfHand = 16,
+  kStabilityOfDriver = 32,
+  kScene = 64,  ///< a scene file along the ways that it names
+  kSceneSimulated = 128,
+  kSceneDriver = 256,
+  kSceneReplay = 512
+};
+
+constexpr unsigned kSceneDevice = kSceneSimulated | kSceneDriver;
+constexpr unsigned kModelDevice = kWithSimulated | kWithDriver;
+constexpr unsigned kAnyDevice = kModelDevice | kSceneDevice;
+constexpr unsigned kAnyDriver = kWithDriver | kSceneDriver;
+constexpr unsigned kAnyStability = kStabilityOfHand | kStabilityOfDriver;
+
+struct PlayOption {
+  const char* name;
+  unsigned ways;  // in which it does something
+  const char* needs;
+};
+
+// Every option of the command except those of playback and those that all commands have.
+constexpr PlayOption kPlayOptions[] = {
+    {"--trajectory", kAlong | kWithSimulated, "a model folder, alone or with a simulated --device"},
+    {"--record", kAlong | kAnyDevice | kScene, "--trajectory, --device or a scene file"},
+    {"--picture", kAlong, "--trajectory without --device"},
+    {"--tool-radius", kAlong, "--trajectory without --device"},
+    {"--probe-radius", kAlong, "--trajectory without --device"},
+    {"--device", kAnyDevice | kAnyStability, "no --replay"},
+    {"--tool", kSceneDevice, "a scene file and --device"},
+    {"--set", kAnyDevice | kAnyStability, "--device or --stability"},
+    {"--device-number", kAnyDriver | kStabilityOfDriver, "the driver of a device as --device"},
+    {"--in-process", kAnyDriver | kStabilityOfDriver, "the driver of a device as --device"},
+    {"--realtime", kAnyDevice, "--device"},
+    {"--duration", kAnyDevice, "--device"},
+    {"--session", kAnyDevice, "--device"},
+    {"--replay", kReplaying | kSceneReplay, "no --device"},
+    {"--pose", kAnyDevice, "--device"},
+    {"--scale", kAnyDevice | kAnyStability, "--device or --stability"},
+    {"--clutch-button", kAnyDriver, "the driver of a device as --device"},
+    {"--coupling", kAnyDevice | kAnyStability, "--device or --stability"},
+    {"--max-force", kAnyDevice | kAnyStability, "--device or --stability"},
+    {"--slew", kAnyDevice, "--device"},
+    {"--ramp", kAnyDevice, "--device"},
+    {"--heating-time", kAnyDevice, "--device"},
+    {"--exchange", kModelDevice | kReplaying, "--device or --replay, with a model folder"},
+    {"--exchange-at", kModelDevice, "--device, with a model folder"},
+    {"--stability", kAnyStability, "a model folder, and no --replay"},
+};
+
+const char* words_of_way(PlayWay way) {
+  switch (way) {
+    case kAlong:
+      return "without --device";
+    case kWithSimulated:
+      return "with a simulated device";
+    case kWithDriver:
+      return "with the driver of a device";
+    case kReplaying:
+      return "with --replay";
+    case kStabilityOfHand:
+      return "with --stability of the simulated hand";
+    case kStabilityOfDriver:
+      return "with --stability";
+    case kScene:
+      return "with a scene file, which says where its tools go";
+    case kSceneSimulated:
+    case kSceneDriver:
+      return "with a device in a scene";
+    case kSceneReplay:
+      return "with --replay of a scene";
+  }
+  return "";
+}
+
+/// \throws InvalidInput naming the first option that is given and does nothing in this way, and
+/// what it needs.
+void refuse_idle_options(const CLI::App& play, PlayWay way) {
+  const auto refuse_idle = [&](const std::string& name, unsigned ways, const char* needs) {
+    const bool works = (ways & way) != 0;
+    if (works || play.get_option(name)->count() == 0) return;
+    throw InvalidInput(name + ": does nothing " + words_of_way(way) + "; it needs " + needs);
+  };
+  for (const PlayOption& option : kPlayOptions) refuse_idle(option.name, option.ways, option.needs);
+  haptics::PlaybackOptions playback;
+  for (const FieldText& field : texts_of(fields_of(playback))) {
+    refuse_idle(option_name(field.name), kAlong | kModelDevice,
+                "a model folder with --trajectory or --device; a scene file has \"playback\" for "
+                "each object");
+  }
+}
 
 struct PlayCall {
   fs::path model, trajectory, record, picture, replay;
@@ -124,12 +223,12 @@ bool is_scene(const fs::path& path) {
 
 PlayWay way_of(const PlayCall& call) {
   const bool scene = is_scene(call.model);
-  if (!call.replay.empty()) return scene ? PlayWay::scene_replay : PlayWay::replay;
-  if (call.device.device.empty()) return scene ? PlayWay::scene : PlayWay::trajectory;
+  if (!call.replay.empty()) return scene ? kSceneReplay : kReplaying;
+  if (call.device.device.empty()) return scene ? kScene : kAlong;
   const bool driver = is_driver(call.device.device);
-  if (scene) return driver ? PlayWay::scene_driver : PlayWay::scene_simulated;
-  if (call.stability) return driver ? PlayWay::stability_of_driver : PlayWay::stability_of_hand;
-  return driver ? PlayWay::driver : PlayWay::simulated;
+  if (scene) return driver ? kSceneDriver : kSceneSimulated;
+  if (call.stability) return driver ? kStabilityOfDriver : kStabilityOfHand;
+  return driver ? kWithDriver : kWithSimulated;
 }
 
 /// What is asked for: a scene, a trajectory, a device, a session again, or the stability of a
@@ -144,25 +243,25 @@ void play_anything(const Settings& settings, const CLI::App& command, PlayCall& 
   const PlayWay way = way_of(call);
   refuse_idle_options(command, way);
   switch (way) {
-    case PlayWay::trajectory:
+    case kAlong:
       if (call.trajectory.empty()) {
         throw InvalidInput("palpate play: needs --trajectory, --device, --replay or --stability");
       }
       return play(settings, call);
-    case PlayWay::scene:
+    case kScene:
       return play_scene(settings, call.model, call.record);
-    case PlayWay::simulated:
-    case PlayWay::driver:
+    case kWithSimulated:
+    case kWithDriver:
       return play_device(settings, device);
-    case PlayWay::scene_simulated:
-    case PlayWay::scene_driver:
+    case kSceneSimulated:
+    case kSceneDriver:
       return play_scene_device(settings, device);
-    case PlayWay::scene_replay:
+    case kSceneReplay:
       return play_scene_replay(settings, call.model, call.replay);
-    case PlayWay::replay:
+    case kReplaying:
       return play_replay(settings, call.model, device.exchange, call.replay);
-    case PlayWay::stability_of_hand:
-    case PlayWay::stability_of_driver:
+    case kStabilityOfHand:
+    case kStabilityOfDriver:
       return play_stability(settings, device);
   }
 }

@@ -14,7 +14,7 @@
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
-#include "seeing/capture_camera.h"
+#include "seeing/capture_stage.h"
 #include "seeing/decode_input.h"
 #include "shared/inputs.h"
 

@@ -15,7 +15,7 @@
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/sensing/recording.h"
 #include "seeing/capture.h"
-#include "seeing/capture_camera.h"
+#include "seeing/capture_stage.h"
 #include "seeing/capture_decoding.h"
 #include "seeing/capture_files.h"
 #include "seeing/projector_window.h"

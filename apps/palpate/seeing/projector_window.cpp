@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "shared/bundled_files.h"
+#include "shared/program.h"
 
 extern char** environ;
 

@@ -11,7 +11,7 @@
 #include "shards/shard.h"
 #include "shards/shard_journal.h"
 #include "shared/command_line.h"
-#include "shared/folder_lock.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 

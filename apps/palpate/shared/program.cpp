@@ -11,6 +11,7 @@
 #include <regex>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "palpate/core/error.h"
@@ -77,6 +78,24 @@ int run_program(const char* name, const std::function<int()>& run) {
   const int status = status_of(run);
   stop_watching();
   return status;
+}
+
+fs::path program_folder() {
+  constexpr const char* kProgram = "/proc/self/exe";
+  std::error_code error;
+  const fs::path program = fs::read_symlink(kProgram, error);
+  if (error) {
+    throw FileError(std::string(kProgram) + ": cannot be read (" + error.message() +
+                    "); mount /proc, so that Palpate finds its files");
+  }
+  return program.parent_path();
+}
+
+fs::path bundled(const fs::path& installed, const fs::path& in_build) {
+  const fs::path path = program_folder() / installed;
+  if (fs::exists(path)) return fs::canonical(path);
+  if (fs::exists(in_build)) return in_build;
+  throw FileError(path.string() + ": this part of the installation is missing; install it again");
 }
 
 }  // namespace palpate::apps

@@ -4,6 +4,8 @@
 
 #include <functional>
 
+#include "shared/aliases.h"
+
 namespace palpate::apps {
 
 // Exit statuses of the programs.
@@ -15,5 +17,15 @@ inline constexpr int kProgramWrongCall = 2;  ///< the call or an input file is w
 /// an exception becomes a message and an exit status.
 /// \return what `run` returns, or the status of what it threw.
 [[nodiscard]] int run_program(const char* name, const std::function<int()>& run);
+
+/// The folder of this program.
+/// \throws FileError if /proc is not mounted.
+[[nodiscard]] fs::path program_folder();
+
+/// A file or folder that comes with the command.
+/// \param installed its path relative to the folder of the command, \param in_build where it is
+/// when the command runs in the folder in which it was built.
+/// \throws FileError if there is none, and as `program_folder`.
+[[nodiscard]] fs::path bundled(const fs::path& installed, const fs::path& in_build);
 
 }  // namespace palpate::apps

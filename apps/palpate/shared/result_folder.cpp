@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/result_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <system_error>
 #include <utility>
 
@@ -44,6 +48,31 @@ OutputError place_error(const fs::path& folder, const fs::filesystem_error& erro
 }
 
 }  // namespace
+
+FolderLock::FolderLock(const fs::path& folder, With with)
+    : handle_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (handle_ == -1) {
+    throw OutputError(folder.string() +
+                      ": cannot be written: " + std::generic_category().message(errno) + ".");
+  }
+  const int kind = with == With::nobody ? LOCK_EX : LOCK_SH;
+  if (::flock(handle_, kind | LOCK_NB) == -1 && errno == EWOULDBLOCK) {
+    ::close(handle_);
+    throw OutputError(folder.string() +
+                      ": another run of palpate is writing into this folder. Wait until it has "
+                      "ended, or choose another folder.");
+  }
+}
+
+FolderLock::~FolderLock() { ::close(handle_); }
+
+bool is_locked(const fs::path& folder) {
+  const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (handle == -1) return false;
+  const bool locked = ::flock(handle, LOCK_SH | LOCK_NB) == -1 && errno == EWOULDBLOCK;
+  ::close(handle);
+  return locked;
+}
 
 ResultFolder::ResultFolder(fs::path folder, List list, Unfinished unfinished)
     : folder_(std::move(folder)),

@@ -3,16 +3,20 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/geometry/cross_section.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"
@@ -23,6 +27,7 @@
 #include "palpate/pictures/draw_differences.h"
 #include "palpate/pictures/draw_distances.h"
 #include "palpate/pictures/draw_section.h"
+#include "shared/aliases.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/depth_score.h"
@@ -30,10 +35,81 @@
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
-#include "surfaces/in_both.h"
 
 namespace palpate::apps {
 namespace {
+
+/// Distances [mm] of a surface A from B where both have a surface.
+struct InBoth {
+  geometry::ErrorStatistics error;
+  double share = 0;                            ///< of A's points or area that is there
+  std::optional<double> camera_distance = {};  ///< [mm] mean depth of the points of a range map
+};
+
+/// Over the points of a range map of these depths, which may be moved since: the accuracy of a
+/// sensor relative to a reference (thesis 3.5.1).
+/// \param within points that are farther from B are not in both.
+InBoth points_in_both(const Eigen::Matrix3Xd& a, const Eigen::ArrayXd& depths,
+                      const geometry::TriangleMesh& b, double within) {
+  const Eigen::VectorXd distances = geometry::distances_in_both(a, b, within);
+  InBoth found{.error = geometry::error_statistics({distances.begin(), distances.end()})};
+  const auto count = static_cast<double>(found.error.count);
+  found.share = count / static_cast<double>(distances.size());
+  const auto is_in_both = distances.array() == distances.array();
+  found.camera_distance = is_in_both.select(depths, 0).sum() / count;
+  return found;
+}
+
+/// Over the area of a mesh, whose vertices say nothing of the surface between them.
+/// \param a its distances from B.
+InBoth area_in_both(const geometry::SurfaceDistances& a, const geometry::TriangleMesh& b,
+                    double within) {
+  const Eigen::Matrix3Xi& cells = a.cells.triangles;
+  Eigen::Matrix3Xd centres(3, cells.cols());
+  for (Eigen::Index c = 0; c < cells.cols(); ++c)
+    centres.col(c) = a.cells.vertices(Eigen::all, cells.col(c)).rowwise().mean();
+  const Eigen::VectorXd distances = geometry::distances_in_both(centres, b, within);
+  std::vector<Eigen::Index> common;
+  for (Eigen::Index c = 0; c < cells.cols(); ++c)
+    if (!std::isnan(distances[c])) common.push_back(c);
+  if (common.empty()) return {.error = geometry::error_statistics({})};
+  const geometry::TriangleMesh parts{a.cells.vertices, cells(Eigen::all, common)};
+  const geometry::SurfaceDistances of_parts =
+      geometry::surface_distances(parts, b, {.cells = 1});  // of a triangle, at least
+  return {.error = {.count = static_cast<long>(common.size()),
+                    .rms = of_parts.rms,
+                    .median = of_parts.median,
+                    .p90 = of_parts.p90,
+                    .max = of_parts.distance.cwiseAbs().maxCoeff()},
+          .share = of_parts.area / a.area};
+}
+
+Json to_json(const InBoth& found) {
+  const geometry::ErrorStatistics& error = found.error;
+  Json json = {{"count", error.count}, {"rms", error.rms}, {"median", error.median},
+               {"p90", error.p90},     {"max", error.max}, {"share", found.share}};
+  if (found.camera_distance && error.count > 0) {
+    json["distance"] = *found.camera_distance;
+    json["rms_percent"] = 100 * error.rms / *found.camera_distance;
+  }
+  return json;
+}
+
+/// One line.
+std::string in_words(const InBoth& found) {
+  const geometry::ErrorStatistics& error = found.error;
+  std::string words =
+      fmt::format("Only where both have a surface ({:.1f} % of A's {}): ", 100 * found.share,
+                  found.camera_distance ? "points" : "area");
+  if (error.count == 0) return words + "nothing.\n";
+  words += fmt::format("RMS {:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm, largest {:.3f} mm",
+                       error.rms, error.median, error.p90, error.max);
+  if (found.camera_distance) {
+    words += fmt::format("; the RMS is {:.3f} % of the mean distance of {:.1f} mm",
+                         100 * error.rms / *found.camera_distance, *found.camera_distance);
+  }
+  return words + ".\n";
+}
 
 /// [mm] Range of the position of a cross-section: 1000 km either way.
 constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);

@@ -10,7 +10,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
-#include "shared/bundled_files.h"
+#include "shared/program.h"
 #include "shared/command_line.h"
 #include "whole/demo.h"
 

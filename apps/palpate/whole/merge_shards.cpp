@@ -10,7 +10,7 @@
 #include "seeing/simulate_shard.h"
 #include "shards/shard_merge.h"
 #include "shared/command_line.h"
-#include "shared/folder_lock.h"
+#include "shared/result_folder.h"
 #include "shared/inputs.h"
 #include "surfaces/mesh_sequence.h"
 

@@ -13,7 +13,7 @@
 
 #include "palpate/core/error.h"
 #include "shared/command_line.h"
-#include "shared/folder_lock.h"
+#include "shared/result_folder.h"
 #include "shared/interrupts.h"
 #include "shared/project_file.h"
 #include "whole/project_record.h"
