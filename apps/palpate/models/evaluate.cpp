@@ -105,12 +105,10 @@ std::string to_prose(const haptics::LeaveOneOut& errors) {
 }
 
 haptics::QueryErrors compare_with_queries(const haptics::Model& model, const EvaluateCall& call) {
-  try {
+  return with_names({{"evaluate_queries()", call.queries.string()}}, [&] {
     return haptics::evaluate_queries(model, haptics::read_queries(call.queries),
                                      call.query_options);
-  } catch (const InvalidInput& wrong) {
-    throw InvalidInput(with_names(wrong, {{"evaluate_queries()", call.queries.string()}}));
-  }
+  });
 }
 
 /// Warns of queries that seem to have other signs, units or columns.

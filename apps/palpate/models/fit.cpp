@@ -22,7 +22,6 @@
 #include "palpate/haptics/fit_surface_response.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition.h"
-#include "palpate/probing/contact_surface.h"
 #include "shared/aliases.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -175,11 +174,8 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   options.keep_fit = [&](long long contact, const haptics::FitResult& result) {
     record.add(contact, result);
   };
-  try {
-    return haptics::build_model(acquisition, surface, options);
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(with_names(error, {{"build_model()", call.acquisition.string()}}));
-  }
+  return with_names({{"build_model()", call.acquisition.string()}},
+                    [&] { return haptics::build_model(acquisition, surface, options); });
 }
 
 /// A run that fails because of its fits keeps none: another one would find the same.
@@ -198,20 +194,13 @@ haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisit
 geometry::TriangleMesh surface_of(const FitCall& call,
                                   const probing::CheckedAcquisition& acquisition, Json& warnings) {
   if (!call.surface.empty()) return geometry::read_mesh(call.surface, call.meshes);
-  try {
-    const double radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius);
-    probing::ContactSurface made =
-        probing::contact_surface(acquisition.contacts(), {.tip_radius = radius});
-    spdlog::warn(
-        "the surface is made of the {} contacts alone: it is taken as flat between them, and as "
-        "ending at the outermost.",
-        made.kept.size());
-    tell_left_out(made, warnings);
-    return std::move(made.mesh);
-  } catch (const InvalidInput& wrong) {
-    throw InvalidInput(with_names(
-        wrong, {{"contact_surface()", call.acquisition.string() + ": without a SURFACE"}}));
-  }
+  geometry::TriangleMesh made = surface_of_contacts(
+      acquisition, call.acquisition.string() + ": without a SURFACE", warnings);
+  spdlog::warn(
+      "the surface is made of the {} contacts alone: it is taken as flat between them, and as "
+      "ending at the outermost.",
+      made.vertices.cols());
+  return made;
 }
 
 /// The measurements with the radius of the call, if they do not say it.
@@ -231,8 +220,7 @@ probing::CheckedAcquisition with_probe_radius(probing::CheckedAcquisition acquis
 void fit(const Settings& settings, FitCall call) {
   const fs::path record_path = record_file(call.output);
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
-  check_output_folder({call.acquisition, call.surface, call.shapes}, call.output);
-  check_replaceable(call.output, haptics::model_entries());
+  check_model_output({call.acquisition, call.surface, call.shapes}, call.output);
   Json warnings = Json::array();
   const probing::CheckedAcquisition acquisition =
       with_probe_radius(read_plausible_acquisition(call.acquisition, warnings), call.probe_radius);

@@ -15,7 +15,7 @@
 #include "shared/field_options.h"
 #include "shared/model_pictures.h"
 #include "shared/output_checks.h"
-#include "shared/pose_file.h"
+#include "shared/inputs.h"
 #include "shared/scan_registration.h"
 
 namespace palpate::apps {
@@ -61,8 +61,7 @@ void merge(const Settings& settings, const MergeCall& call) {
   std::vector<fs::path> inputs = call.models;
   inputs.insert(inputs.end(), call.poses.begin(), call.poses.end());
   check_outputs(inputs, {call.output, call.picture});
-  check_output_folder(inputs, call.output);
-  check_replaceable(call.output, haptics::model_entries());
+  check_model_output(inputs, call.output);
   std::vector<haptics::SideModel> sides = read_sides(call);
   Json registered = Json::array();
   if (call.registration.wanted) registered = register_sides(call, sides);

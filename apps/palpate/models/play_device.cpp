@@ -26,7 +26,7 @@
 #include "shared/interrupts.h"
 #include "shared/output_checks.h"
 #include "shared/played_model.h"
-#include "shared/pose_file.h"
+#include "shared/inputs.h"
 #include "shared/words.h"
 
 namespace palpate::apps {

@@ -41,9 +41,6 @@ haptics::ReduceOptions required(const ReduceCall& call, const haptics::Model& mo
 }
 
 Json figures_of(const haptics::ReducedModel& reduced, std::size_t contacts) {
-  const auto or_null = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json(nullptr);
-  };
   return {{"contacts", reduced.model.contacts.size()},
           {"contacts_before", contacts},
           {"out_of_reach", reduced.out_of_reach},
@@ -60,8 +57,8 @@ Json figures_of(const haptics::ReducedModel& reduced, std::size_t contacts) {
           {"force_rms", reduced.force_rms},
           {"allowed", reduced.allowed},
           {"raised", reduced.raised},
-          {"stated_before", or_null(reduced.stated_before)},
-          {"stated_after", or_null(reduced.stated_after)},
+          {"stated_before", number_or_null(reduced.stated_before)},
+          {"stated_after", number_or_null(reduced.stated_after)},
           {"bytes", std::llround(reduced.size_after)},
           {"bytes_before", std::llround(reduced.size_before)}};
 }
@@ -101,8 +98,7 @@ void tell_raised(const haptics::ReducedModel& reduced) {
 }
 
 void reduce(const Settings& settings, const ReduceCall& call) {
-  check_output_folder({call.model, call.scene.scene}, call.output);
-  check_replaceable(call.output, haptics::model_entries());
+  check_model_output({call.model, call.scene.scene}, call.output);
   const haptics::Model model = haptics::read_model(call.model);
   haptics::ReduceOptions options = required(call, model);
   if (const int unknown = haptics::unknown_friction_count(model); unknown > 0) {

@@ -171,8 +171,7 @@ void map_onto(const Settings& settings, const TransferCall& call) {
 void transfer(const Settings& settings, const TransferCall& call) {
   const std::vector<fs::path> inputs = {call.model, call.onto, call.landmarks};
   check_outputs(inputs, {call.output, call.picture, call.distortion, call.distortion_mesh});
-  check_output_folder(inputs, call.output);
-  check_replaceable(call.output, haptics::model_entries());
+  check_model_output(inputs, call.output);
   if (call.scale) {
     scale(settings, call);
   } else if (!call.onto.empty()) {

@@ -92,12 +92,9 @@ probing::KnownForces compute_queries(const probing::Specimen& specimen, const Ba
   probing::KnownForceOptions options = call.queries;
   options.max_force = call.plan.max_force;
   options.progress = shown_as("computing forces to compare with");
-  try {
-    return probing::known_forces(specimen, options);
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(with_names(error, {{"known_forces()", call.specimen.string()},
-                                          {"KnownForceOptions::count", "--queries"}}));
-  }
+  return with_names(
+      {{"known_forces()", call.specimen.string()}, {"KnownForceOptions::count", "--queries"}},
+      [&] { return probing::known_forces(specimen, options); });
 }
 
 probing::SpecimenTrials compute_samples(const probing::Specimen& specimen,
@@ -117,11 +114,8 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   options.progress = [&](haptics::BuildStage stage, int done, int total) {
     if (stage == haptics::BuildStage::fields) progress.show(done, total);
   };
-  try {
-    return haptics::build_model(acquisition, surface, options);
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(with_names(error, {{"build_model()", call.specimen.string()}}));
-  }
+  return with_names({{"build_model()", call.specimen.string()}},
+                    [&] { return haptics::build_model(acquisition, surface, options); });
 }
 
 std::optional<haptics::QueryErrors> errors_of(const haptics::Model& model,
@@ -168,8 +162,7 @@ void report(const Settings& settings, const BakeCall& call, const probing::Speci
 void bake(const Settings& settings, const BakeCall& call) {
   check_outputs({call.specimen}, {call.output, call.acquisition});
   if (!call.acquisition.empty()) probing::check_acquisition_output(call.acquisition);
-  check_output_folder({call.specimen}, call.output);
-  check_replaceable(call.output, haptics::model_entries());
+  check_model_output({call.specimen}, call.output);
   const auto specimen = read_specimen(call.specimen);
   const probing::ContactPlan plan = haptics::plan_bake(*specimen, call.plan);
   const probing::KnownForces known = compute_queries(*specimen, call);

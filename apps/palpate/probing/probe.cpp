@@ -16,7 +16,6 @@
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_import.h"
 #include "palpate/probing/acquisition_store.h"
-#include "palpate/probing/contact_surface.h"
 #include "palpate/probing/table_reader.h"
 #include "probing/probe.h"
 #include "shared/call_checks.h"
@@ -57,10 +56,27 @@ void take_name(const std::string& pair, probing::AcquisitionMapping& mapping) {
       CLI::detail::trim_copy(pair.substr(equals + 1));
 }
 
-template <typename Field, typename Value>
-void change(ProbeCall& call, Field probing::AcquisitionMapping::*field, const Value& value) {
-  call.changes.emplace_back(
-      [field, value](probing::AcquisitionMapping& mapping) { mapping.*field = value; });
+/// Adds an option that changes a field of the mapping to `read` of what is given.
+template <typename Given, typename Field, typename Read>
+CLI::Option* add_change(CLI::App& command, const std::shared_ptr<ProbeCall>& call,
+                        const std::string& name, Field probing::AcquisitionMapping::*field,
+                        Read read, const std::string& help) {
+  return command.add_option_function<Given>(
+      name,
+      [call, field, read](const Given& given) {
+        const Field value = read(given);
+        call->changes.emplace_back(
+            [field, value](probing::AcquisitionMapping& mapping) { mapping.*field = value; });
+      },
+      help);
+}
+
+char read_separator(const std::string& text) {
+  try {
+    return probing::separator_from(text);
+  } catch (const InvalidInput& wrong) {
+    throw InvalidInput(std::string("--separator: ") + wrong.what());
+  }
 }
 
 /// The mapping file, or none, with the changes of single options.
@@ -151,23 +167,6 @@ void tell_series(const probing::SeriesCounts& series) {
     spdlog::info("{} slow pieces are left out: they are shorter than sample_time.", series.brief);
 }
 
-geometry::MeshFile surface_of(const ProbeCall& call, const probing::CheckedAcquisition& acquisition,
-                              Json& warnings) {
-  geometry::MeshFile surface;
-  surface.comments = {"made of the contacts alone, flat between them"};
-  try {
-    probing::ContactSurface made = probing::contact_surface(
-        acquisition.contacts(),
-        {.tip_radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius)});
-    tell_left_out(made, warnings);
-    surface.mesh = std::move(made.mesh);
-    return surface;
-  } catch (const InvalidInput& wrong) {
-    throw InvalidInput(
-        with_names(wrong, {{"contact_surface()", files_in_words(call.data) + ": --surface-out"}}));
-  }
-}
-
 void import_data(const Settings& settings, const ProbeCall& call) {
   std::vector<fs::path> inputs = call.data;
   if (!call.mapping.empty()) inputs.push_back(call.mapping);
@@ -178,7 +177,11 @@ void import_data(const Settings& settings, const ProbeCall& call) {
   Json warnings = Json::array();
   check_plausible(files_in_words(call.data), imported.acquisition, warnings);
   std::optional<geometry::MeshFile> surface;
-  if (!call.surface.empty()) surface = surface_of(call, imported.acquisition, warnings);
+  if (!call.surface.empty()) {
+    surface.emplace().mesh = surface_of_contacts(
+        imported.acquisition, files_in_words(call.data) + ": --surface-out", warnings);
+    surface->comments = {"made of the contacts alone, flat between them"};
+  }
   probing::write_acquisition(call.output, imported.acquisition);
   Json figures = {{"warnings", warnings}};
   std::string of_surface;
@@ -248,59 +251,34 @@ void add_probe(CLI::App& app, const Settings& settings) {
         "nothing for empty cells (range_map=)")
       ->delimiter(',')
       ->allow_extra_args(false);
-  in->add_option_function<std::string>(
-      "--separator",
-      [call](const std::string& text) {
-        try {
-          change(*call, &probing::AcquisitionMapping::separator, probing::separator_from(text));
-        } catch (const InvalidInput& wrong) {
-          throw InvalidInput(std::string("--separator: ") + wrong.what());
-        }
-      },
-      "Character between cells, or tab (default: the most frequent of , ; and tab in the first "
-      "line)");
-  in->add_option_function<std::string>(
-      "--length-unit",
-      [call](const std::string& name) {
-        change(*call, &probing::AcquisitionMapping::length, geometry::unit_length(name));
-      },
-      "Unit of all positions: um, mm, cm, m or in (default: mm)");
-  in->add_option_function<std::string>(
-      "--force-unit",
-      [call](const std::string& name) {
-        change(*call, &probing::AcquisitionMapping::force, probing::unit_force(name));
-      },
-      "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
-  in->add_option_function<std::string>(
-      "--time-unit",
-      [call](const std::string& name) {
-        change(*call, &probing::AcquisitionMapping::time, probing::unit_time(name));
-      },
-      "Unit of all times: s, ms, us or min (default: s)");
-  in->add_option_function<std::string>(
-        "--decimal",
-        [call](const std::string& sign) {
-          change(*call, &probing::AcquisitionMapping::decimal_comma, sign == "comma");
-        },
-        "Decimal separator of all numbers: point or comma (default: point)")
+  using Mapping = probing::AcquisitionMapping;
+  add_change<std::string>(*in, call, "--separator", &Mapping::separator, read_separator,
+                          "Character between cells, or tab (default: the most frequent of , ; and "
+                          "tab in the first line)");
+  add_change<std::string>(*in, call, "--length-unit", &Mapping::length, geometry::unit_length,
+                          "Unit of all positions: um, mm, cm, m or in (default: mm)");
+  add_change<std::string>(*in, call, "--force-unit", &Mapping::force, probing::unit_force,
+                          "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
+  add_change<std::string>(*in, call, "--time-unit", &Mapping::time, probing::unit_time,
+                          "Unit of all times: s, ms, us or min (default: s)");
+  add_change<std::string>(
+      *in, call, "--decimal", &Mapping::decimal_comma,
+      [](const std::string& sign) { return sign == "comma"; },
+      "Decimal separator of all numbers: point or comma (default: point)")
       ->check(one_of({"point", "comma"}));
-  in->add_option_function<double>(
-        "--probe-radius",
-        [call](double radius) {
-          change(*call, &probing::AcquisitionMapping::probe_radius, radius);
-        },
-        "Radius of the ball that touched the object [mm], for palpate play --tool-radius")
+  add_change<double>(
+      *in, call, "--probe-radius", &Mapping::probe_radius, [](double radius) { return radius; },
+      "Radius of the ball that touched the object [mm], for palpate play --tool-radius")
       ->check(within(above(0).finite()));
   in->add_flag_callback(
-      "--no-header", [call] { change(*call, &probing::AcquisitionMapping::header, false); },
+      "--no-header",
+      [call] { call->changes.emplace_back([](Mapping& mapping) { mapping.header = false; }); },
       "The first line of the files does not name their columns; they are column_1, column_2, ...");
-  in->add_option_function<std::string>(
-        "--forces-on",
-        [call](const std::string& on) {
-          change(*call, &probing::AcquisitionMapping::forces_on_tool, on == "tool");
-        },
-        "What the forces act on: object, or tool if they are those that the tool feels, which "
-        "changes their signs (default: object)")
+  add_change<std::string>(
+      *in, call, "--forces-on", &Mapping::forces_on_tool,
+      [](const std::string& on) { return on == "tool"; },
+      "What the forces act on: object, or tool if they are those that the tool feels, which "
+      "changes their signs (default: object)")
       ->check(one_of({"object", "tool"}));
   in->footer(
       "docs/measurements.md describes the columns. Measurements that contradict their meaning, "

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "palpate/probing/arm_reach.h"
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/campaign_store.h"
+#include "palpate/probing/contact_plan.h"
 #include "palpate/probing/rate_dependence.h"
 #include "palpate/probing/reference_probe.h"
 #include "probing/probe_arm.h"
@@ -70,5 +72,17 @@ struct CampaignFindings {
 void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
                     const probing::CampaignOptions& options,
                     int most = std::numeric_limits<int>::max());
+
+/// Which contacts an arm can probe. `surface_path` is the surface of a real object, or empty; a
+/// device without it is warned of.
+/// \throws InvalidInput if the plan is of another surface.
+[[nodiscard]] probing::PlanReach reach_of_arm(const CampaignArm& arm,
+                                              const probing::ContactPlan& plan,
+                                              const fs::path& plan_path,
+                                              const fs::path& surface_path);
+
+/// \throws InvalidInput as `reach_of_arm`, or naming the contacts that the arm cannot probe.
+void check_reach(const CampaignArm& arm, const probing::ContactPlan& plan,
+                 const fs::path& plan_path, const fs::path& surface_path);
 
 }  // namespace palpate::apps

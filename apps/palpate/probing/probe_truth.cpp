@@ -50,14 +50,11 @@ void tell_truth(const Settings& settings, const TruthCall& call) {
   check_outputs({call.specimen}, {call.output / kTruthSurface, call.output / kTruthQueries});
   const auto specimen =
       probing::parse_specimen(probing::read_specimen_text(call.specimen), call.specimen.string());
-  try {
-    probing::KnownForceOptions options = call.options;
-    options.progress = shown_as("computing forces");
-    write_truth(call.output, *specimen, options);
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(with_names(error, {{"known_forces()", call.specimen.string()},
-                                          {"KnownForceOptions::count", "--queries"}}));
-  }
+  probing::KnownForceOptions options = call.options;
+  options.progress = shown_as("computing forces");
+  with_names(
+      {{"known_forces()", call.specimen.string()}, {"KnownForceOptions::count", "--queries"}},
+      [&] { write_truth(call.output, *specimen, options); });
   const auto vertices = specimen->surface().vertices.cols();
   print(settings,
         {{"vertices", vertices},

@@ -27,7 +27,7 @@
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/plausible.h"
-#include "shared/pose_file.h"
+#include "shared/inputs.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {

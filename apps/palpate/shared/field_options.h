@@ -47,6 +47,16 @@ void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields
 [[nodiscard]] std::string with_names(const InvalidInput& error,
                                      const std::map<std::string, std::string>& names);
 
+/// What `task` gives; its errors have these names.
+template <typename Task>
+auto with_names(const std::map<std::string, std::string>& names, Task task) {
+  try {
+    return task();
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(with_names(error, names));
+  }
+}
+
 /// The message of an error, with the options of the command that was called in place of the fields
 /// of the library.
 [[nodiscard]] std::string with_option_names(const InvalidInput& error, const CLI::App& app);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
 #include <vector>
 
@@ -57,5 +58,12 @@ void tell_doubts(const std::string& source, const std::vector<sensing::Doubt>& d
 [[nodiscard]] bool is_sigma(const fs::path& path);
 [[nodiscard]] bool is_noise(const fs::path& path);
 [[nodiscard]] bool is_reasons(const fs::path& path);
+
+/// Reads a rigid motion: a text file with the 3 x 4 or 4 x 4 numbers of its matrix, row by row,
+/// separated by spaces, commas or line ends; translation in mm.
+/// \throws FileError naming what is wrong: the file is missing, has another count of numbers or one
+/// that is not finite, has a last row other than 0 0 0 1, or the matrix is not a rotation
+/// (orthogonal to 1e-6, right-handed).
+[[nodiscard]] Eigen::Isometry3d read_pose(const fs::path& path);
 
 }  // namespace palpate::apps

@@ -8,6 +8,8 @@
 #include <system_error>
 
 #include "palpate/core/error.h"
+#include "palpate/core/output_file.h"
+#include "palpate/haptics/model_io.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -72,6 +74,11 @@ void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& fo
     throw InvalidInput(input.string() + ": lies in " + folder.string() +
                        ", which would be replaced; copy it elsewhere, or choose another output.");
   }
+}
+
+void check_model_output(const std::vector<fs::path>& inputs, const fs::path& folder) {
+  check_output_folder(inputs, folder);
+  check_replaceable(folder, haptics::model_entries());
 }
 
 void check_pictures(const std::vector<fs::path>& pictures) {

@@ -5,6 +5,7 @@
 #include <regex>
 #include <string>
 #include <vector>
+
 #include "shared/aliases.h"
 
 namespace palpate::apps {
@@ -19,6 +20,9 @@ void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::pa
 /// The same for a folder that is replaced completely.
 /// \throws InvalidInput also if one of `inputs` lies in `folder`.
 void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& folder);
+
+/// The same for a folder of a model, which may replace another model and nothing else.
+void check_model_output(const std::vector<fs::path>& inputs, const fs::path& folder);
 
 /// Pictures are PNG files.
 /// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not

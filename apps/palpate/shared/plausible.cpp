@@ -5,10 +5,13 @@
 #include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "palpate/core/error.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/contact_surface.h"
 #include "palpate/probing/plausibility.h"
+#include "shared/field_options.h"
 
 namespace palpate::apps {
 
@@ -32,12 +35,18 @@ void check_plausible(const std::string& source, const probing::CheckedAcquisitio
                        ". docs/measurements.md describes the columns.");
 }
 
-void tell_left_out(const probing::ContactSurface& surface, Json& warnings) {
-  for (const probing::ContactMisfit& contact : surface.left_out) {
+geometry::TriangleMesh surface_of_contacts(const probing::CheckedAcquisition& acquisition,
+                                           const std::string& source, Json& warnings) {
+  const double radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius);
+  probing::ContactSurface made = with_names({{"contact_surface()", source}}, [&] {
+    return probing::contact_surface(acquisition.contacts(), {.tip_radius = radius});
+  });
+  for (const probing::ContactMisfit& contact : made.left_out) {
     warn(warnings, "left_out_of_surface",
          "the surface is made without contact " + std::to_string(contact.id) + ": it " +
              contact.reason);
   }
+  return std::move(made.mesh);
 }
 
 probing::CheckedAcquisition read_plausible_acquisition(const fs::path& store, Json& warnings) {

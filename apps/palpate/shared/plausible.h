@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/acquisition.h"
-#include "palpate/probing/contact_surface.h"
 #include "shared/aliases.h"
 
 namespace palpate::apps {
@@ -19,8 +19,11 @@ void warn(Json& warnings, const std::string& kind, const std::string& message);
 void check_plausible(const std::string& source, const probing::CheckedAcquisition& acquisition,
                      Json& warnings);
 
-/// Warns of contacts that a surface of contacts is made without.
-void tell_left_out(const probing::ContactSurface& surface, Json& warnings);
+/// A surface of the contacts alone (`probing::contact_surface`). Warns of contacts that it is made
+/// without.
+/// \throws InvalidInput that begins with `source` if there is none.
+[[nodiscard]] geometry::TriangleMesh surface_of_contacts(
+    const probing::CheckedAcquisition& acquisition, const std::string& source, Json& warnings);
 
 /// Reads and checks a store.
 /// \throws FileError, or InvalidInput if it cannot hold measurements of an object.

@@ -23,7 +23,7 @@
 #include "shared/field_options.h"
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
-#include "shared/pose_file.h"
+#include "shared/inputs.h"
 #include "shared/progress.h"
 #include "shared/scan_registration.h"
 #include "shared/words.h"

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <vector>
+
 #include "shared/aliases.h"
 
 namespace palpate::apps {

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
-
 #include <nlohmann/json.hpp>
 #include <opencv2/core/version.hpp>
 
