@@ -253,13 +253,10 @@ void add_export(CLI::App& app, const Settings& settings) {
   CLI::App* command = app.add_subcommand(
       "export",
       "Export a model, a mesh, a range map or a solid for other programs, or as a web page");
-  command
-      ->add_option(
-          "INPUT", page.input,
-          "Model folder, range map, depth image or mesh; with --html also a folder of "
-          "range maps, depth images or meshes; with --glb also a folder of meshes with the "
-          "same triangles; with --material a specimen file")
-      ->required();
+  add_required(*command, "INPUT", page.input,
+               "Model folder, range map, depth image or mesh; with --html also a folder of "
+               "range maps, depth images or meshes; with --glb also a folder of meshes with the "
+               "same triangles; with --material a specimen file");
   CLI::Option_group* format = command->add_option_group("format", "What to write");
   format->add_flag("--ply", call->ply, "The surface (of a model: undeformed) as PLY");
   format->add_flag("--obj", call->obj, "The surface as OBJ");

@@ -179,7 +179,7 @@ void add_evaluate(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<EvaluateCall>();
   CLI::App* command =
       app.add_subcommand("evaluate", "Compare the forces of a model with known ones");
-  command->add_option("MODEL", call->model, "Model folder")->required();
+  add_required(*command, "MODEL", call->model, "Model folder");
   command->add_option(
       "--queries", call->queries,
       "Known forces: cx,cy,cz,dx,dy,dz,fx,fy,fz (contact, displacement, force on the object)");

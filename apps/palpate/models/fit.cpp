@@ -194,8 +194,8 @@ haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisit
 geometry::TriangleMesh surface_of(const FitCall& call,
                                   const probing::CheckedAcquisition& acquisition, Json& warnings) {
   if (!call.surface.empty()) return geometry::read_mesh(call.surface, call.meshes);
-  geometry::TriangleMesh made = surface_of_contacts(
-      acquisition, call.acquisition.string() + ": without a SURFACE", warnings);
+  geometry::TriangleMesh made =
+      surface_of_contacts(acquisition, call.acquisition.string() + ": without a SURFACE", warnings);
   spdlog::warn(
       "the surface is made of the {} contacts alone: it is taken as flat between them, and as "
       "ending at the outermost.",
@@ -265,13 +265,12 @@ void fit(const Settings& settings, FitCall call) {
 void add_fit(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<FitCall>();
   CLI::App* command = app.add_subcommand("fit", "Fit a model to measurements and a surface");
-  command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
-      ->required();
+  add_required(*command, "ACQUISITION", call->acquisition, "Measurements (acquisition.db)");
   command->add_option("SURFACE", call->surface,
                       "Undeformed surface (mesh); without it, one is made of the contacts, flat "
                       "between them");
   add_unit_option(*command, call->meshes);
-  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  add_required(*command, "-o,--output", call->output, "Model folder to write");
   add_fields(*command, fields_of(call->options));
   add_number(*command, "--probe-radius", call->probe_radius, above(0).finite(),
              "Radius of the ball that touched the object [mm], if the measurements do not "

@@ -249,8 +249,7 @@ void add_identify(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<IdentifyCall>();
   CLI::App* command = app.add_subcommand(
       "identify", "Estimate elastic parameters of an object, with errors, from measurements");
-  command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
-      ->required();
+  add_required(*command, "ACQUISITION", call->acquisition, "Measurements (acquisition.db)");
   add_word(*command, "--model", call->model, {"strip", "half-space"},
            "strip: a sheet stretched between two supports; half-space: a large elastic body")
       ->capture_default_str();

@@ -13,9 +13,9 @@
 #include "palpate/haptics/model_io.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
+#include "shared/inputs.h"
 #include "shared/model_pictures.h"
 #include "shared/output_checks.h"
-#include "shared/inputs.h"
 #include "shared/scan_registration.h"
 
 namespace palpate::apps {
@@ -119,8 +119,8 @@ void add_merge(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MergeCall>();
   CLI::App* command =
       app.add_subcommand("merge", "Merge models of several sides of an object into one");
-  command->add_option("MODEL", call->models, "Model folders, one per side")->required();
-  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  add_required(*command, "MODEL", call->models, "Model folders, one per side");
+  add_required(*command, "-o,--output", call->output, "Model folder to write");
   command->add_option(
       "--pose", call->poses,
       "Pose of a model: a text file with its 4 x 4 matrix (rotation and translation "

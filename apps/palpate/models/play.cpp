@@ -325,11 +325,9 @@ void add_play(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<PlayCall>();
   CLI::App* command = app.add_subcommand(
       "play", "Compute the forces along a tool's path over a model, as in the haptic loop");
-  command
-      ->add_option("MODEL", call->model,
-                   "Model folder; or a scene file (JSON or YAML) of several objects and tools "
-                   "(docs/devices.md)")
-      ->required();
+  add_required(*command, "MODEL", call->model,
+               "Model folder; or a scene file (JSON or YAML) of several objects and tools "
+               "(docs/devices.md)");
   command->add_option(
       "--trajectory", call->trajectory,
       "Tool positions, one per step: t,x,y,z [s, mm], CSV or binary; with --device, "

@@ -123,8 +123,8 @@ void add_reduce(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ReduceCall>();
   CLI::App* command =
       app.add_subcommand("reduce", "Make a smaller model that holds only what a scene requires");
-  command->add_option("MODEL", call->model, "Model folder")->required();
-  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  add_required(*command, "MODEL", call->model, "Model folder");
+  add_required(*command, "-o,--output", call->output, "Model folder to write");
   CLI::Option* scene = add_scene_options(
       *command, call->scene, "the one that has this model",
       "Scene file (YAML or JSON) that says under 'require' what is needed of the model, and where "

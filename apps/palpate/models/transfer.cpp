@@ -219,8 +219,8 @@ void add_transfer(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<TransferCall>();
   CLI::App* command =
       app.add_subcommand("transfer", "Transfer a model to an object of another size or shape");
-  command->add_option("MODEL", call->model, "Model folder")->required();
-  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  add_required(*command, "MODEL", call->model, "Model folder");
+  add_required(*command, "-o,--output", call->output, "Model folder to write");
   CLI::Option* by = add_number(*command, "--scale", call->scale, above(0),
                                "Factor for lengths, about the centre");
   command

@@ -191,9 +191,8 @@ void add_bake(CLI::App& app, const Settings& settings) {
   call->queries.count = 100;
   CLI::App* command = app.add_subcommand(
       "bake", "Make a model of a simulated object, such as one of finite elements");
-  command->add_option("SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)")
-      ->required();
-  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  add_required(*command, "SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)");
+  add_required(*command, "-o,--output", call->output, "Model folder to write");
   constexpr std::array<std::string_view, 4> kOfPlan{"spacing", "contacts", "directions",
                                                     "max_force"};
   add_fields(*command, fields_of(call->plan), kOfPlan);

@@ -300,9 +300,8 @@ void add_probe_report(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<ReportCall>();
   CLI::App* command =
       probe.add_subcommand("report", "Make a page with tables and pictures of a campaign");
-  command->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
-      ->required();
-  command->add_option("MODEL", call->model, "Model folder that was fitted to it")->required();
+  add_required(*command, "ACQUISITION", call->store, "Store of the campaign (acquisition.db)");
+  add_required(*command, "MODEL", call->model, "Model folder that was fitted to it");
   command->add_option("--queries", call->queries,
                       "Known forces to compare with (queries.csv of 'palpate probe truth')");
   command->add_option(
@@ -310,8 +309,7 @@ void add_probe_report(CLI::App& probe, const Settings& settings) {
       "Record of the arm (session.arm of 'palpate probe run --record'): adds a "
       "touch, the compensation of gravity and, if the arm has a sensor of its own for them, "
       "the errors of forces");
-  command->add_option("-o,--output", call->output, "Folder for index.html and its pictures")
-      ->required();
+  add_required(*command, "-o,--output", call->output, "Folder for index.html and its pictures");
   command->footer("Example:\n  palpate probe report acquisition.db model/ -o report/");
   command->callback([call, &settings] { report(settings, *call); });
 }

@@ -223,13 +223,11 @@ void add_probe(CLI::App& app, const Settings& settings) {
 
   CLI::App* in = probe->add_subcommand(
       "import", "Convert measurements in CSV, TSV or MAT files to a database for palpate fit");
-  in->add_option(
-        "DATA", call->data,
-        "contacts (id,x,y,z,nx,ny,nz [mm]) and samples (id,contact,group_id,px,...,bz,"
-        "on_friction_boundary,slipped,range_map,time [N, mm, s]); with a mapping, also one "
-        "table or MAT file that holds both, or recordings")
-      ->required();
-  in->add_option("-o,--output", call->output, "Database to write (acquisition.db)")->required();
+  add_required(*in, "DATA", call->data,
+               "contacts (id,x,y,z,nx,ny,nz [mm]) and samples (id,contact,group_id,px,...,bz,"
+               "on_friction_boundary,slipped,range_map,time [N, mm, s]); with a mapping, also one "
+               "table or MAT file that holds both, or recordings");
+  add_required(*in, "-o,--output", call->output, "Database to write (acquisition.db)");
   in->add_option(
       "--mapping", call->mapping,
       "Mapping file (YAML; docs/measurements.md) that describes your files: columns, units, signs, "
@@ -292,10 +290,9 @@ void add_probe(CLI::App& app, const Settings& settings) {
 
   CLI::App* out =
       probe->add_subcommand("export", "Convert a database of measurements to two CSV files");
-  out->add_option("ACQUISITION", call->store, "Database to read (acquisition.db)")->required();
-  out->add_option("-o,--output", call->output,
-                  "Folder for contacts.csv and samples.csv, in which neither is yet")
-      ->required();
+  add_required(*out, "ACQUISITION", call->store, "Database to read (acquisition.db)");
+  add_required(*out, "-o,--output", call->output,
+               "Folder for contacts.csv and samples.csv, in which neither is yet");
   out->footer("Example:\n  palpate probe export acquisition.db -o csv/");
   out->callback([call, &settings] { export_csv(settings, *call); });
 }

@@ -110,7 +110,7 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
   command->add_option("SURFACE", call->surface, "Mesh of the undeformed object");
   command->add_option("--specimen", call->specimen,
                       "Instead of SURFACE: a simulated object (JSON; docs/probing.md)");
-  command->add_option("-o,--output", call->output, "Plan to write (plan.json)")->required();
+  add_required(*command, "-o,--output", call->output, "Plan to write (plan.json)");
   add_unit_option(*command, call->read);
   add_fields(*command, fields_of(call->options));
   add_sensor_option(*command, call->options.sensor);

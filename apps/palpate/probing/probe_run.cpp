@@ -294,7 +294,7 @@ void show_status(const Settings& settings, const fs::path& path) {
 void add_probe_run(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<RunCall>();
   CLI::App* run = probe.add_subcommand("run", "Probe an object according to a plan");
-  run->add_option("PLAN", call->plan, "Plan of 'palpate probe plan'")->required();
+  add_required(*run, "PLAN", call->plan, "Plan of 'palpate probe plan'");
   run->add_option("-o,--output", call->store,
                   "Store to write (acquisition.db); must not exist. Needed without --dry-run");
   run->add_option("--arm", call->arm.arm,
@@ -335,8 +335,7 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
   });
 
   CLI::App* resume = probe.add_subcommand("resume", "Continue a campaign of 'probe run'");
-  resume->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
-      ->required();
+  add_required(*resume, "ACQUISITION", call->store, "Store of the campaign (acquisition.db)");
   add_stop_file(*resume, call->watch);
   for (CLI::Option* option : add_camera_files(*resume, call->camera))
     option->group("Where the files of the camera are now");
@@ -360,7 +359,7 @@ void add_probe_status(CLI::App& probe, const Settings& settings) {
   auto path = std::make_shared<fs::path>();
   CLI::App* status =
       probe.add_subcommand("status", "Show the progress of a campaign, also while it runs");
-  status->add_option("ACQUISITION", *path, "Store of the campaign (acquisition.db)")->required();
+  add_required(*status, "ACQUISITION", *path, "Store of the campaign (acquisition.db)");
   status->footer("Example:\n  palpate probe status acquisition.db --json");
   status->callback([path, &settings] { show_status(settings, *path); });
 }

@@ -78,10 +78,8 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<TruthCall>();
   CLI::App* command =
       probe.add_subcommand("truth", "Write the surface and known forces of a simulated object");
-  command->add_option("SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)")
-      ->required();
-  command->add_option("-o,--output", call->output, "Folder for surface.ply and queries.csv")
-      ->required();
+  add_required(*command, "SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)");
+  add_required(*command, "-o,--output", call->output, "Folder for surface.ply and queries.csv");
   add_number(*command, "--queries", call->options.count, at_least(0), "Number of known forces")
       ->capture_default_str();
   add_number(*command, "--margin", call->options.margin, at_least(0).finite(),

@@ -24,10 +24,10 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
+#include "shared/inputs.h"
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/plausible.h"
-#include "shared/inputs.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {
@@ -274,9 +274,8 @@ void add_calibrate_arm(CLI::App& calibrate, const Settings& settings) {
                                    "Radius of the ball [mm]")
                             ->needs(ball);
   add_camera_options(*arm, call->camera);
-  arm->add_option("-o,--output", call->output,
-                  "Setup of the arm (arm.json) to write; one that exists keeps its other members")
-      ->required();
+  add_required(*arm, "-o,--output", call->output,
+               "Setup of the arm (arm.json) to write; one that exists keeps its other members");
   arm->footer(
       "Examples:\n"
       "  palpate calibrate arm --touches touches.csv --surface range/000000.tiff --tip-radius 3 "

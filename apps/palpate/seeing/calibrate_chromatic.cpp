@@ -139,18 +139,13 @@ void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<ChromaticCall>();
   CLI::App* command = calibrate.add_subcommand(
       "chromatic", "Estimate the shifts of red and blue from images of a white sinusoid");
-  command
-      ->add_option("IMAGE", call->images,
-                   "Images (or folders of images) of surfaces at several distances under the "
-                   "pattern's sinusoid in white (white_sin.png)")
-      ->required();
-  command
-      ->add_option("--rig", call->rig,
-                   "Rig (rig.yaml); of its chromatic values, only the mixing is used")
-      ->required();
-  command->add_option("--pattern", call->pattern, "Pattern; its stripes are not used")->required();
-  command->add_option("-o,--output", call->output, "Rig file to write, with the result")
-      ->required();
+  add_required(*command, "IMAGE", call->images,
+               "Images (or folders of images) of surfaces at several distances under the "
+               "pattern's sinusoid in white (white_sin.png)");
+  add_required(*command, "--rig", call->rig,
+               "Rig (rig.yaml); of its chromatic values, only the mixing is used");
+  add_required(*command, "--pattern", call->pattern, "Pattern; its stripes are not used");
+  add_required(*command, "-o,--output", call->output, "Rig file to write, with the result");
   CLI::Option* distances =
       add_number(*command, "--distances", call->distances, above(0),
                  "Distance of each surface at the image centre [mm], accurate to about a period; "

@@ -122,13 +122,10 @@ void add_calibrate_colors(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<ColorsCall>();
   CLI::App* colors =
       calibrate.add_subcommand("colors", "Train the hue classifier with single-colour images");
-  colors
-      ->add_option(
-          "FOLDER", call->folders,
-          "Folders of images R_flat.png, R_sin.png, ...: a scene lit by one pattern colour")
-      ->required();
-  colors->add_option("-o,--output", call->output, "File of trained colours to write (colors.yaml)")
-      ->required();
+  add_required(*colors, "FOLDER", call->folders,
+               "Folders of images R_flat.png, R_sin.png, ...: a scene lit by one pattern colour");
+  add_required(*colors, "-o,--output", call->output,
+               "File of trained colours to write (colors.yaml)");
   colors->add_option(
       "--response", call->response,
       "Response of projector and camera (response.yaml): linearise the images first, "

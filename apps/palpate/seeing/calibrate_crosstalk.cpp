@@ -61,14 +61,14 @@ void add_calibrate_crosstalk(CLI::App& calibrate, const Settings& settings) {
   CLI::App* crosstalk = calibrate.add_subcommand(
       "crosstalk",
       "Measure how the camera's channels mix the projector's colours, from three flat images");
-  crosstalk->add_option("--off", call->off, "Image with the projector off or black")->required();
-  crosstalk->add_option("--red", call->red, "Image under even red (1, 0, 0)")->required();
-  crosstalk->add_option("--green", call->green, "Image under even green (0, 1, 0)")->required();
-  crosstalk->add_option("--blue", call->blue, "Image under even blue (0, 0, 1)")->required();
-  crosstalk->add_option("--rig", call->rig, "Rig to complete (rig.yaml)")->required();
+  add_required(*crosstalk, "--off", call->off, "Image with the projector off or black");
+  add_required(*crosstalk, "--red", call->red, "Image under even red (1, 0, 0)");
+  add_required(*crosstalk, "--green", call->green, "Image under even green (0, 1, 0)");
+  add_required(*crosstalk, "--blue", call->blue, "Image under even blue (0, 0, 1)");
+  add_required(*crosstalk, "--rig", call->rig, "Rig to complete (rig.yaml)");
   crosstalk->add_option("--response", call->response,
                         "Response (response.yaml): the images are linearised first");
-  crosstalk->add_option("-o,--output", call->output, "Rig with the mixing to write")->required();
+  add_required(*crosstalk, "-o,--output", call->output, "Rig with the mixing to write");
   crosstalk->footer(
       "Example:\n  palpate calibrate crosstalk --off off.png --red red.png --green green.png "
       "--blue blue.png --rig rig.yaml -o mixed_rig.yaml");

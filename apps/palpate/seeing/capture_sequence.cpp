@@ -15,9 +15,9 @@
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/sensing/recording.h"
 #include "seeing/capture.h"
-#include "seeing/capture_stage.h"
 #include "seeing/capture_decoding.h"
 #include "seeing/capture_files.h"
+#include "seeing/capture_stage.h"
 #include "seeing/projector_window.h"
 #include "shared/call_checks.h"
 #include "shared/field_options.h"
@@ -258,7 +258,7 @@ void add_capture_sequence(CLI::App& capture, const Settings& settings) {
   CLI::App* command = capture.add_subcommand(
       "sequence", "Record a sequence of frames; with --decode, also decode it");
   add_live_camera_options(*command, call->camera);
-  command->add_option("-o,--output", call->output, "New folder for the frames")->required();
+  add_required(*command, "-o,--output", call->output, "New folder for the frames");
   add_number(*command, "--count", call->count, at_least(1), "End after this number of frames");
   add_number(*command, "--seconds", call->seconds, above(0).finite(), "End after this time [s]");
   CLI::Option* decode =

@@ -36,11 +36,9 @@ double clipped_share(const cv::Mat& image, int bits) {
 }  // namespace
 
 void add_live_camera_options(CLI::App& command, LiveCameraCall& call) {
-  command
-      .add_option("CAMERA", call.name,
-                  "aravis:NAME (GenICam), v4l2:NUMBER, or simulated:PATH, which plays a folder of "
-                  "images or a video in a loop; palpate capture list lists the available cameras")
-      ->required();
+  add_required(command, "CAMERA", call.name,
+               "aravis:NAME (GenICam), v4l2:NUMBER, or simulated:PATH, which plays a folder of "
+               "images or a video in a loop; palpate capture list lists the available cameras");
   add_number(command, "--size", call.size, at_least(2), "Width and height of the frames [px]")
       ->expected(2);
   add_number(command, "--rate", call.settings.rate, above(0).finite(), "Frames per second");
@@ -92,9 +90,8 @@ std::string decode_options_of(const sensing::CameraState& state) {
 
 void add_stage_options(CLI::App& command, StageCall& call, const std::string& images) {
   add_live_camera_options(command, call.camera);
-  command.add_option("--show", call.show, "Folder of the images to show: " + images)->required();
-  command.add_option("-o,--output", call.output, "Folder for the images that are taken")
-      ->required();
+  add_required(command, "--show", call.show, "Folder of the images to show: " + images);
+  add_required(command, "-o,--output", call.output, "Folder for the images that are taken");
   CLI::Option* projector =
       command.add_option("--projector", call.projector,
                          "Monitor that is the projector, by number or name (palpate-project "

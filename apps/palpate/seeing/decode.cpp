@@ -213,9 +213,9 @@ void decode(const Settings& settings, const CLI::App& command, DecodeCall call) 
 void add_decode(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<DecodeCall>();
   CLI::App* command = app.add_subcommand("decode", "Decode camera frames into range maps");
-  command->add_option("FRAMES", call->frames, "Images, folders of images, videos")->required();
-  command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
-  command->add_option("--pattern", call->pattern, "Projected pattern (pattern.yaml)")->required();
+  add_required(*command, "FRAMES", call->frames, "Images, folders of images, videos");
+  add_required(*command, "--rig", call->rig, "Camera and projector (rig.yaml)");
+  add_required(*command, "--pattern", call->pattern, "Projected pattern (pattern.yaml)");
   CLI::Option* colors = command->add_option(
       "--colors", call->colors, "Trained colours (colors.yaml), for a pattern with stripes");
   command->add_option(
@@ -230,7 +230,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
            "The frames are raw mosaics of a single-chip camera: the colours of the first two "
            "pixels, then of the two below");
   DecodeOutputs& outputs = call->outputs;
-  command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
+  add_required(*command, "-o,--output", call->output, "Folder for the range maps");
   add_word(*command, "--meshes", outputs.meshes, {"ply", "obj", "stl", "pcd"},
            "Also write each range map as a mesh, or (pcd) as an organised point cloud");
   command->add_flag("--surface-color", outputs.color,

@@ -254,7 +254,7 @@ void add_design_options(CLI::App& command, PatternCall& call) {
 void add_pattern(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<PatternCall>();
   CLI::App* command = app.add_subcommand("pattern", "Design and draw the pattern to project");
-  command->add_option("-o,--output", call->output, "Folder to write")->required();
+  add_required(*command, "-o,--output", call->output, "Folder to write");
   CLI::Option* rig = command->add_option("--rig", call->rig, "Rig to design for (rig.yaml)");
   command
       ->add_option("--size", call->size,

@@ -129,15 +129,13 @@ void add_simulate(CLI::App& app, const Settings& settings) {
   call->scene.reflectance = {0.8};
   CLI::App* command = app.add_subcommand(
       "simulate", "Render camera frames and true range maps from meshes, rig and pattern");
-  command->add_option("MESH", call->scene.meshes, "A mesh, or a sequence of meshes, one per frame")
-      ->required();
-  command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
-  command
-      ->add_option("--pattern", call->pattern,
-                   "Projected pattern (pattern.yaml, with its image pattern.png, or its images "
-                   "shot_00.png, ... of a still scene, beside it)")
-      ->required();
-  command->add_option("-o,--output", call->output, "Folder to write")->required();
+  add_required(*command, "MESH", call->scene.meshes,
+               "A mesh, or a sequence of meshes, one per frame");
+  add_required(*command, "--rig", call->rig, "Camera and projector (rig.yaml)");
+  add_required(*command, "--pattern", call->pattern,
+               "Projected pattern (pattern.yaml, with its image pattern.png, or its images "
+               "shot_00.png, ... of a still scene, beside it)");
+  add_required(*command, "-o,--output", call->output, "Folder to write");
   CLI::Option* report = command->add_flag(
       "--report", call->report,
       "Decode the frames and compare them with the truth: coverage, depth errors, "

@@ -40,6 +40,13 @@ void print(const Settings& settings, const Json& figures, const std::string& pro
 [[nodiscard]] Json numbers_in(const Eigen::Ref<const Eigen::VectorXd>& vector);
 [[nodiscard]] Json rows_in(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
+/// Adds an argument or option that every call of the command must give.
+template <typename Variable>
+void add_required(CLI::App& command, const std::string& name, Variable& variable,
+                  const std::string& help) {
+  command.add_option(name, variable, help)->required();
+}
+
 /// Adds the option --unit, the unit of the coordinates in the mesh files that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
 

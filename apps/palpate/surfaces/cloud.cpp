@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -236,16 +235,11 @@ void add_cloud(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<CloudCall>();
   CLI::App* command = app.add_subcommand(
       "cloud", "Sample, clean, segment and measure point clouds, also of range maps");
-  command
-      ->add_option(
-          "POINTS", call->inputs,
-          "Point file (.pcd, .ply), range map (TIFF), depth image (16-bit PNG) or mesh file "
-          "(its vertices); the points of several files are joined")
-      ->required();
-  command
-      ->add_option("-o,--output", call->output,
-                   "Point file (.pcd or .ply) or range map (.tiff) to write")
-      ->required();
+  add_required(*command, "POINTS", call->inputs,
+               "Point file (.pcd, .ply), range map (TIFF), depth image (16-bit PNG) or mesh file "
+               "(its vertices); the points of several files are joined");
+  add_required(*command, "-o,--output", call->output,
+               "Point file (.pcd or .ply) or range map (.tiff) to write");
   add_camera_options(*command, call->settings.camera);
   add_unit_option(*command, call->settings.points);
   command->add_flag("--color", call->settings.color,

@@ -328,8 +328,8 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
 void add_compare(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<CompareCall>();
   CLI::App* command = app.add_subcommand("compare", "Compare two range maps or surfaces");
-  command->add_option("A", call->a, "Range map or mesh")->required();
-  command->add_option("B", call->b, "Range map or mesh to compare with")->required();
+  add_required(*command, "A", call->a, "Range map or mesh");
+  add_required(*command, "B", call->b, "Range map or mesh to compare with");
   command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
   command->add_option("--mask", call->mask,
                       "Image of the pixels that can be measured (non-zero), for two range maps; "

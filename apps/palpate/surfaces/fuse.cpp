@@ -21,9 +21,9 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
+#include "shared/inputs.h"
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
-#include "shared/inputs.h"
 #include "shared/progress.h"
 #include "shared/scan_registration.h"
 #include "shared/words.h"
@@ -238,12 +238,9 @@ void add_fuse(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<FuseCall>();
   CLI::App* command =
       app.add_subcommand("fuse", "Fuse range maps or meshes of an object into one surface");
-  command
-      ->add_option("SCAN", call->inputs,
-                   "Range maps (TIFF), depth images (16-bit PNG) or folders of them; or mesh files")
-      ->required();
-  command->add_option("-o,--output", call->output, "Mesh to write (.ply, .obj or .stl)")
-      ->required();
+  add_required(*command, "SCAN", call->inputs,
+               "Range maps (TIFF), depth images (16-bit PNG) or folders of them; or mesh files");
+  add_required(*command, "-o,--output", call->output, "Mesh to write (.ply, .obj or .stl)");
   command->add_option(
       "--pose", call->poses,
       "Poses of the scans in one coordinate system: text files with a 4 x 4 matrix (rotation "

@@ -57,18 +57,14 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MeshCall>();
   CLI::App* command = app.add_subcommand(
       "mesh", "Mesh range maps or depth images; repair, smooth, remesh or decimate a mesh");
-  command
-      ->add_option("RANGE", call->inputs,
-                   "Range map (TIFF) or depth image (16-bit PNG), several or a folder of one of "
-                   "these, or a mesh file. Colours and other values of its vertices are carried "
-                   "along, and its texture through all steps but --remesh")
-      ->required();
-  command
-      ->add_option(
-          "-o,--output", call->output,
-          "Mesh to write (.ply, .obj or .stl); for several range maps or a folder: folder for the "
-          "meshes")
-      ->required();
+  add_required(*command, "RANGE", call->inputs,
+               "Range map (TIFF) or depth image (16-bit PNG), several or a folder of one of "
+               "these, or a mesh file. Colours and other values of its vertices are carried "
+               "along, and its texture through all steps but --remesh");
+  add_required(
+      *command, "-o,--output", call->output,
+      "Mesh to write (.ply, .obj or .stl); for several range maps or a folder: folder for the "
+      "meshes");
   CLI::Option* format = add_word(*command, "--format", call->format, {"ply", "obj", "stl"},
                                  "Format of a folder's meshes: ply, obj or stl")
                             ->capture_default_str();

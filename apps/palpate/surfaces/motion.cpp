@@ -210,12 +210,9 @@ void add_motion(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MotionCall>();
   CLI::App* command = app.add_subcommand(
       "motion", "Measure displacement, velocity and stretch of a tracked surface");
-  command
-      ->add_option("MESHES", call->input,
-                   "Folder of meshes with the same triangles, as palpate track writes it")
-      ->required();
-  command->add_option("-o,--output", call->output, "Folder for the meshes with their values")
-      ->required();
+  add_required(*command, "MESHES", call->input,
+               "Folder of meshes with the same triangles, as palpate track writes it");
+  add_required(*command, "-o,--output", call->output, "Folder for the meshes with their values");
   command->add_option("--reference", call->reference,
                       "Mesh with which the others are compared (default: the first one)");
   add_number(*command, "--rate", call->rate, above(0).finite(),

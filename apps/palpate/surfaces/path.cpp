@@ -158,7 +158,7 @@ void add_path(CLI::App& app, const Settings& settings) {
       app.add_subcommand("path", "Find the shortest paths along a surface between points");
   const CLI::Validator place = list_of_numbers(
       [](const std::vector<double>& numbers) { return numbers.size() == 3; }, "a point X,Y,Z [mm]");
-  command->add_option("SURFACE", call->surface, "Mesh file")->required();
+  add_required(*command, "SURFACE", call->surface, "Mesh file");
   command->add_option("--from", call->from, "Place X,Y,Z at which the paths begin [mm]")
       ->required()
       ->check(place);
@@ -175,8 +175,7 @@ void add_path(CLI::App& app, const Settings& settings) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(place);
-  command->add_option("-o,--output", call->output, "Points of the paths to write (CSV)")
-      ->required();
+  add_required(*command, "-o,--output", call->output, "Points of the paths to write (CSV)");
   add_unit_option(*command, call->meshes);
   command->footer(
       "Places beside the surface are moved to their closest point on it. The paths are exact on "

@@ -335,10 +335,8 @@ void add_track(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<TrackCall>();
   CLI::App* command = app.add_subcommand(
       "track", "Track a surface through range maps: one mesh per frame, with the same triangles");
-  command
-      ->add_option("RANGE_FOLDER", call->input,
-                   "Folder of range maps (TIFF) or depth images (16-bit PNG) of one camera")
-      ->required();
+  add_required(*command, "RANGE_FOLDER", call->input,
+               "Folder of range maps (TIFF) or depth images (16-bit PNG) of one camera");
   command->add_option(
       "--reference", call->reference,
       "Mesh, range map or depth image of the surface to track, at its pose in the first frame "
@@ -351,7 +349,7 @@ void add_track(CLI::App& app, const Settings& settings) {
   add_camera_options(*command, call->camera);
   add_selection_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
-  command->add_option("-o,--output", call->output, "Folder for the meshes")->required();
+  add_required(*command, "-o,--output", call->output, "Folder for the meshes");
   add_word(*command, "--format", call->outputs.format, {"ply", "obj"},
            "Format of the meshes: ply or obj")
       ->capture_default_str();

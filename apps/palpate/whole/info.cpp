@@ -330,8 +330,7 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
 void add_info(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<InfoCall>();
   CLI::App* command = app.add_subcommand("info", "Describe a file or a folder");
-  command->add_option("FILE", call->path, "Any file or folder that Palpate reads or writes")
-      ->required();
+  add_required(*command, "FILE", call->path, "Any file or folder that Palpate reads or writes");
   add_unit_option(*command, call->meshes);
   command->footer("Examples:\n  palpate info model/\n  cat scan.ply | palpate info /dev/stdin");
   command->callback([call, &settings] {

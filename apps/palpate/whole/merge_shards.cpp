@@ -10,8 +10,8 @@
 #include "seeing/simulate_shard.h"
 #include "shards/shard_merge.h"
 #include "shared/command_line.h"
-#include "shared/result_folder.h"
 #include "shared/inputs.h"
+#include "shared/result_folder.h"
 #include "surfaces/mesh_sequence.h"
 
 namespace palpate::apps {
@@ -49,8 +49,7 @@ void add_merge_shards(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MergeShardsCall>();
   CLI::App* command = app.add_subcommand(
       "merge-shards", "Check and join the parts that a command with --shard has made");
-  command->add_option("FOLDER", call->folder, "Folder into which the shards were written")
-      ->required();
+  add_required(*command, "FOLDER", call->folder, "Folder into which the shards were written");
   command->add_flag("--allow-missing", call->options.allow_missing,
                     "Report on the shards that are finished, as a preview; nothing is written");
   command->add_flag("--verify", call->options.verify,

@@ -284,10 +284,8 @@ void add_plan(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<PlanSceneCall>();
   CLI::App* command = app.add_subcommand(
       "plan", "Find how many contacts the objects of a scene need, and what they cost");
-  command
-      ->add_option("SCENE", call->scene,
-                   "Scene file (YAML or JSON) whose objects say under 'require' what they need")
-      ->required();
+  add_required(*command, "SCENE", call->scene,
+               "Scene file (YAML or JSON) whose objects say under 'require' what they need");
   command->add_option("-o,--output", call->output,
                       "Project file to write, with the settings for 'palpate run'");
   command->add_option("--object", call->object,

@@ -13,9 +13,9 @@
 
 #include "palpate/core/error.h"
 #include "shared/command_line.h"
-#include "shared/result_folder.h"
 #include "shared/interrupts.h"
 #include "shared/project_file.h"
+#include "shared/result_folder.h"
 #include "whole/project_record.h"
 #include "whole/run_calls.h"
 #include "whole/run_plan.h"
@@ -242,10 +242,8 @@ void add_run(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<RunProjectCall>();
   CLI::App* command =
       app.add_subcommand("run", "Run a project; redo only steps whose inputs have changed");
-  command
-      ->add_option("PROJECT", call->project,
-                   "Project file (project.yaml; docs/projects.md): a section for each step")
-      ->required();
+  add_required(*command, "PROJECT", call->project,
+               "Project file (project.yaml; docs/projects.md): a section for each step");
   command->add_option("-o,--output", call->output,
                       "Folder for all results (default: as the file says, or its own folder)");
   command->add_flag("--dry-run", call->dry_run,

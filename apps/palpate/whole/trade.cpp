@@ -174,14 +174,11 @@ void add_trade(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<TradeCall>();
   CLI::App* command = app.add_subcommand(
       "trade", "Measure what accuracy costs on your own data, with many settings");
-  command
-      ->add_option("DATA", call->data.file,
-                   "Measurements (acquisition.db), a model folder, or a mesh: settings of 'palpate "
-                   "fit', 'reduce' or 'mesh' are tried on it")
-      ->required();
-  command
-      ->add_option("-o,--output", call->output, "Folder to write: trade.html with plots, trade.csv")
-      ->required();
+  add_required(*command, "DATA", call->data.file,
+               "Measurements (acquisition.db), a model folder, or a mesh: settings of 'palpate "
+               "fit', 'reduce' or 'mesh' are tried on it");
+  add_required(*command, "-o,--output", call->output,
+               "Folder to write: trade.html with plots, trade.csv");
   command->add_option("--surface", call->data.surface,
                       "Undeformed surface of the measurements (mesh); see 'palpate fit'");
   command->add_option(
