@@ -3,7 +3,6 @@
 #include "models/device_call.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/trajectory_device.h"
 #include "palpate/haptics/trajectory_file.h"
@@ -66,12 +66,9 @@ std::string settings_in_words(unsigned kind) {
 }
 
 double number_of(const std::string& key, const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    throw InvalidInput("--set " + key + "=" + text + ": must be a finite number");
-  }
-  return value;
+  const std::optional<double> value = parse_number<double>(text);
+  if (value && std::isfinite(*value)) return *value;
+  throw InvalidInput("--set " + key + "=" + text + ": must be a finite number");
 }
 
 /// The trajectory as a path of the device: it is given in the object's frame.
@@ -141,13 +138,12 @@ haptics::CouplingOptions coupling_of(const std::string& word) {
     coupling.on = false;
     return coupling;
   }
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || !(value > 0)) {
+  const std::optional<double> value = parse_number<double>(word);
+  if (!value || !(*value > 0)) {
     throw InvalidInput("--coupling: is " + word +
                        "; it must be auto, off, or a stiffness > 0 N/mm");
   }
-  coupling.stiffness = value;
+  coupling.stiffness = *value;
   return coupling;
 }
 

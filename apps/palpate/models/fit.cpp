@@ -15,7 +15,6 @@
 #include "models/fit_report.h"
 #include "models/fit_warnings.h"
 #include "palpate/core/error.h"
-#include "palpate/core/output_file.h"
 #include "palpate/geometry/edge_splitting.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"

@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "palpate/haptics/build_model.h"
-
-// What `palpate fit` says of a model that it made.
 #include "shared/aliases.h"
 
+// What `palpate fit` says of a model that it made.
 namespace palpate::apps {
 
 /// Their numbers; the first fifty if there are more.

@@ -4,10 +4,9 @@
 
 #include "palpate/haptics/build_model.h"
 #include "palpate/probing/acquisition.h"
-
-// What `palpate fit` doubts. Each function adds its warnings to the list `warnings`.
 #include "shared/aliases.h"
 
+// What `palpate fit` doubts. Each function adds its warnings to the list `warnings`.
 namespace palpate::apps {
 
 /// Warns of what was not measured, so that the model only assumes it.

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/output_file.h"
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/model_io.h"
 #include "shared/command_line.h"

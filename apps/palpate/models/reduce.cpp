@@ -6,10 +6,8 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
-#include "palpate/core/output_file.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/scene_requirement.h"
 #include "shared/command_line.h"

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/output_file.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_map.h"

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/output_file.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/haptics/evaluate.h"

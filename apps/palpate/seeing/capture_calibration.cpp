@@ -163,7 +163,7 @@ void take_poses(const Settings& settings, CalibrationCall call) {
   if (is_there(next_folder(setup.output).parent_path() / "pose_00")) poses.add(setup.output);
   Stage stage(setup);
   while (!call.poses || poses.count() < *call.poses) {
-    if (!Operator::ready(poses.next() + " Keep it still.")) break;
+    if (!operator_is_ready(poses.next() + " Keep it still.")) break;
     static_cast<void>(take_pose(stage, shown, next_folder(setup.output), poses));
   }
   stage.warn_of_clipping();

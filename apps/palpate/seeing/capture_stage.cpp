@@ -105,7 +105,7 @@ void add_stage_options(CLI::App& command, StageCall& call, const std::string& im
       ->capture_default_str();
 }
 
-bool Operator::ready(const std::string& words) {
+bool operator_is_ready(const std::string& words) {
   std::fputs((words + " [Enter; q ends] ").c_str(), stderr);
   std::string line;
   return std::getline(std::cin, line) && line != "q";
@@ -120,7 +120,7 @@ cv::Mat Stage::take(const fs::path& image) {
   if (projector_) {
     projector_->show(image);
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(call_.settle_ms));
-  } else if (!Operator::ready("Show " + image.string() + " on the projector")) {
+  } else if (!operator_is_ready("Show " + image.string() + " on the projector")) {
     throw Error("ended at " + image.string() +
                 "; the images of this series are not complete and were not kept");
   }

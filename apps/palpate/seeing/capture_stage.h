@@ -52,13 +52,9 @@ struct StageCall {
 /// Adds the options of a call. \param images what --show has to hold, for its help.
 void add_stage_options(CLI::App& command, StageCall& call, const std::string& images);
 
-/// The person at the rig.
-class Operator {
- public:
-  /// Says what to do, and waits for Enter.
-  /// \return false if the answer was q, or standard input has ended.
-  [[nodiscard]] static bool ready(const std::string& words);
-};
+/// Says to the person at the rig what to do, and waits for Enter.
+/// \return false if the answer was q, or standard input has ended.
+[[nodiscard]] bool operator_is_ready(const std::string& words);
 
 /// A camera and a projector that work together.
 class Stage {

@@ -53,7 +53,7 @@ void write_stills(const Settings& settings, const StageCall& call, const Stage& 
 
 /// \throws Error if the user does not want to go on.
 void wait_until_placed(const std::string& words) {
-  if (!Operator::ready(words)) throw Error("ended; nothing was written");
+  if (!operator_is_ready(words)) throw Error("ended; nothing was written");
 }
 
 void take_training(const Settings& settings, const StillsCall& call) {

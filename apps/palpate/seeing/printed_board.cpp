@@ -4,9 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <string_view>
-#include <system_error>
 #include <tuple>
 
 #include "palpate/core/error.h"
@@ -15,16 +13,8 @@
 namespace palpate::apps {
 
 std::pair<int, int> parse_pair(const std::string& text, const char* option) {
-  int first = 0;
-  int second = 0;
-  const char* const end = text.data() + text.size();
-  const auto one = std::from_chars(text.data(), end, first);
-  const bool has_two = one.ec == std::errc() && one.ptr != end && *one.ptr == 'x';
-  const auto two = has_two ? std::from_chars(one.ptr + 1, end, second) : one;
-  if (!has_two || two.ec != std::errc() || two.ptr != end) {
-    throw InvalidInput(fmt::format("{}: '{}' is not of the form 7x9.", option, text));
-  }
-  return {first, second};
+  if (const auto pair = pair_of(text, 'x')) return *pair;
+  throw InvalidInput(fmt::format("{}: '{}' is not of the form 7x9.", option, text));
 }
 
 void PrintedBoard::parse() {

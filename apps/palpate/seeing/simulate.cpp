@@ -70,56 +70,44 @@ void simulate(const Settings& settings, const CLI::App& command, const SimulateC
 
 void add_scene_options(CLI::App& command, SimulateCall& call) {
   SceneCall& scene = call.scene;
-  const char* const group = "Scene";
+  command.option_defaults()->group("Scene");
   add_number(command, "--distance", call.distances, kDistances,
              "Depth [mm] of the mesh's centre, on the camera's axis; several depths (600,800) "
              "give one frame each. Default: the position in the file if it is in view, "
              "otherwise so that the mesh fills the image")
-      ->delimiter(',')
-      ->group(group);
+      ->delimiter(',');
   add_number(command, "--turn", scene.turn, at_least(-360).at_most(360),
              "x,y,z: rotation of the mesh about its centre, in degrees (-360 to 360) about "
              "each axis of the camera")
       ->expected(3)
-      ->delimiter(',')
-      ->group(group);
-  add_number(command, "--wall", scene.wall, kDistances, "Add a white wall at this depth [mm]")
-      ->group(group);
+      ->delimiter(',');
+  add_number(command, "--wall", scene.wall, kDistances, "Add a white wall at this depth [mm]");
   command
       .add_option("--reflectance", scene.reflectance,
                   "Share of the light that the surface reflects: one number, or red,green,blue "
                   "(default: 0.8); multiplied with the colours of the mesh's vertices")
       ->delimiter(',')
-      ->expected(1, 3)
-      ->group(group);
-  command
-      .add_option("--texture", scene.texture,
-                  "Image on the surface, linear in the light; the mesh needs texture coordinates "
-                  "(s, t)")
-      ->group(group);
-  command
-      .add_option("--specular", scene.specular, "Strength of the highlight, 0 to 1 (default: 0)")
-      ->group(group);
-  command
-      .add_option("--shininess", scene.shininess, "Exponent of the highlight, >= 1 (default: 50)")
-      ->group(group);
+      ->expected(1, 3);
+  command.add_option(
+      "--texture", scene.texture,
+      "Image on the surface, linear in the light; the mesh needs texture coordinates "
+      "(s, t)");
+  command.add_option("--specular", scene.specular,
+                     "Strength of the highlight, 0 to 1 (default: 0)");
+  command.add_option("--shininess", scene.shininess,
+                     "Exponent of the highlight, >= 1 (default: 50)");
   add_number(command, "--shutter", scene.shutter, at_least(0).at_most(1),
              "Share of the time between two meshes during which the shutter is open "
-             "(default: 0, no motion blur). The last mesh has no next one, so it is not blurred")
-      ->group(group);
+             "(default: 0, no motion blur). The last mesh has no next one, so it is not blurred");
 }
 
 void add_sensor_options(CLI::App& command, SimulateCall& call) {
-  const char* const group = "Sensor";
-  command
-      .add_option("--sensor", call.sensor_file,
-                  "Light, optics and electronics (sensor.yaml); default: a colour camera with 8 "
-                  "bits. To change it, edit a copy of OUT/sensor.yaml, which lists all values")
-      ->group(group);
-  command.add_flag("--ideal", call.ideal, "No blur, no mosaic, no noise, 16 bits")->group(group);
+  command.option_defaults()->group("Sensor");
+  command.add_option("--sensor", call.sensor_file,
+                     "Light, optics and electronics (sensor.yaml); default: a colour camera with 8 "
+                     "bits. To change it, edit a copy of OUT/sensor.yaml, which lists all values");
+  command.add_flag("--ideal", call.ideal, "No blur, no mosaic, no noise, 16 bits");
   call.sensor_options = add_fields(command, fields_of(call.sensor));
-  for (CLI::Option* option : call.sensor_options)
-    if (option->get_group() != kExpertOptions) option->group(group);
 }
 
 }  // namespace
@@ -144,8 +132,10 @@ void add_simulate(CLI::App& app, const Settings& settings) {
                       "Rig for decoding the frames, if the pattern was drawn to compensate the "
                       "projector's pose or chromatic aberration (default: --rig)");
   add_unit_option(*command, call->scene.read);
+  const std::string usual = command->option_defaults()->get_group();
   add_scene_options(*command, *call);
   add_sensor_options(*command, *call);
+  command->option_defaults()->group(usual);
   add_shard_option(*command, call->shard)->excludes(report);
   command->footer(
       "Writes frames/NNNNNN.png; truth/NNNNNN.tiff, _id.png (1: the mesh, 2: the wall) and "

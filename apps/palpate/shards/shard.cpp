@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cstdint>
 #include <string_view>
 #include <system_error>
 
+#include "shared/call_checks.h"
 #include "shared/fingerprint.h"
 
 namespace palpate::apps {
@@ -20,14 +20,9 @@ constexpr const char* kShardOption = "--shard";
 
 /// Nothing unless the text is i/n with 1 <= i <= n.
 std::optional<Shard> shard_of(const std::string& text) {
-  Shard shard;
-  const char* const end = text.data() + text.size();
-  const auto [slash, no_index] = std::from_chars(text.data(), end, shard.index);
-  if (no_index != std::errc() || slash == end || *slash != '/') return std::nullopt;
-  const auto [last, no_count] = std::from_chars(slash + 1, end, shard.count);
-  if (no_count != std::errc() || last != end) return std::nullopt;
-  if (shard.index < 1 || shard.index > shard.count) return std::nullopt;
-  return shard;
+  const auto pair = pair_of(text, '/');
+  if (!pair || pair->first < 1 || pair->first > pair->second) return std::nullopt;
+  return Shard{.index = pair->first, .count = pair->second};
 }
 
 std::string in_shell(const std::string& word) {

@@ -9,6 +9,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "palpate/core/input_file.h"
+
 namespace palpate::apps {
 
 CLI::Validator within(const Interval& range) {
@@ -42,6 +44,14 @@ std::optional<std::vector<double>> numbers_of(const std::string& text) {
     if (at == end) return numbers;
     if (*at != ',') return std::nullopt;
   }
+}
+
+std::optional<std::pair<int, int>> pair_of(const std::string& text, char between) {
+  const std::size_t at = text.find(between);
+  if (at == std::string::npos) return std::nullopt;
+  const auto first = parse_number<int>(text.substr(0, at));
+  const auto second = parse_number<int>(text.substr(at + 1));
+  return first && second ? std::optional(std::pair(*first, *second)) : std::nullopt;
 }
 
 CLI::Validator list_of_numbers(std::function<bool(const std::vector<double>&)> is_right,

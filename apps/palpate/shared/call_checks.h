@@ -23,6 +23,9 @@ namespace palpate::apps {
 /// The numbers of a list "1,2.5"; nullopt if one is none, or not finite.
 [[nodiscard]] std::optional<std::vector<double>> numbers_of(const std::string& text);
 
+/// The two whole numbers of "8x11" or "3/7", with this sign between them; nullopt for other texts.
+[[nodiscard]] std::optional<std::pair<int, int>> pair_of(const std::string& text, char between);
+
 /// Accepts lists of numbers for which `is_right` holds. The message is "--crop: is 1,2; it must be
 /// " and `what`.
 [[nodiscard]] CLI::Validator list_of_numbers(

@@ -21,6 +21,7 @@
 #include "palpate/geometry/self_intersections.h"
 #include "shared/command_line.h"
 #include "shared/words.h"
+#include "surfaces/cloud_steps.h"
 
 namespace palpate::apps {
 namespace {
@@ -177,11 +178,11 @@ Description describe_defects(const geometry::TriangleMesh& mesh) {
                               prose};
 }
 
-/// Bounding box of the finite vertices; empty if there are none.
-Eigen::AlignedBox3d extent(const geometry::TriangleMesh& mesh) {
+/// Bounding box of the finite points; empty if there are none.
+Eigen::AlignedBox3d extent(const Eigen::Matrix3Xd& points) {
   Eigen::AlignedBox3d box;
-  for (const auto& vertex : mesh.vertices.colwise()) {
-    if (vertex.allFinite()) box.extend(vertex);
+  for (const auto& point : points.colwise()) {
+    if (point.allFinite()) box.extend(point);
   }
   return box;
 }
@@ -230,17 +231,15 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
     return describe_points(path, *cloud);
   const auto& file = std::get<geometry::MeshFile>(content);
   const geometry::TriangleMesh& mesh = file.mesh;
-  const Eigen::AlignedBox3d box = extent(mesh);
-  const Eigen::Vector3d& low = box.min();
-  const Eigen::Vector3d& high = box.max();
+  const Eigen::AlignedBox3d box = extent(mesh.vertices);
   const Description defects = describe_defects(mesh);
   const Description surface = describe_surface(mesh);
   const Description triangles = describe_triangles(mesh);
   Description result = {{{"kind", "mesh"},
                          {"vertices", mesh.vertices.cols()},
                          {"triangles", mesh.triangles.cols()},
-                         {"min", numbers_in(low)},
-                         {"max", numbers_in(high)},
+                         {"min", numbers_in(box.min())},
+                         {"max", numbers_in(box.max())},
                          {"unit", file.unit.length},
                          {"unit_source", name_of(file.unit.source)},
                          {"vertex_attributes", names_of(file.vertex_attributes)},
@@ -268,19 +267,13 @@ void check_coordinates(const fs::path& path, const geometry::PointCloud& cloud) 
 }
 
 Description describe_cloud(const geometry::PointCloud& cloud) {
-  Eigen::AlignedBox3d box;
-  Eigen::Index known = 0;
-  for (const auto& point : cloud.points.colwise()) {
-    if (!point.allFinite()) continue;
-    box.extend(point);
-    ++known;
-  }
+  const Eigen::AlignedBox3d box = extent(cloud.points);
+  const Eigen::Index known = known_count(cloud);
   const Eigen::VectorXd distances = geometry::neighbour_distances(cloud.points);
   const geometry::ErrorStatistics nearest =
       geometry::error_statistics({distances.begin(), distances.end()});
   const auto repeated = (distances.array() == 0).count();
-  std::vector<std::string> names;
-  for (const geometry::Attribute& attribute : cloud.attributes) names.push_back(attribute.name);
+  const std::vector<std::string> names = names_of(cloud.attributes);
   std::string prose = fmt::format("{} x {} points{}, {} of them known", cloud.width, cloud.height,
                                   cloud.height > 1 ? " (organised)" : "", known) +
                       place_in_words(box, nearest) + attributes_in_words(cloud.attributes, names);

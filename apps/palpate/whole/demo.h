@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+
 #include "shared/aliases.h"
 
 namespace palpate::apps {

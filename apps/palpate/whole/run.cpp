@@ -16,6 +16,7 @@
 #include "shared/interrupts.h"
 #include "shared/project_file.h"
 #include "shared/result_folder.h"
+#include "shared/words.h"
 #include "whole/project_record.h"
 #include "whole/run_calls.h"
 #include "whole/run_plan.h"
@@ -77,8 +78,7 @@ class RunReport {
       const auto count = std::ranges::count(outcomes_, status, &StepOutcome::status);
       if (count > 0) counts.push_back(fmt::format("{} {}", count, status));
     }
-    return fmt::format("{} step{}: {}", outcomes_.size(), outcomes_.size() == 1 ? "" : "s",
-                       fmt::join(counts, ", "));
+    return fmt::format("{}: {}", counted(outcomes_.size(), "step"), fmt::join(counts, ", "));
   }
 
   const Settings& settings_;

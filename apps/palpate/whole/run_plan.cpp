@@ -12,6 +12,7 @@
 #include "palpate/core/file_names.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -96,7 +97,7 @@ std::vector<std::string> causes(const StepRecord& before, const StepRecord& now)
 std::string changes_in_words(const std::vector<std::string>& changes) {
   const std::size_t more = changes.size() - 1;
   if (more == 0) return changes.front();
-  return fmt::format("{}, and {} more change{}", changes.front(), more, more == 1 ? "" : "s");
+  return fmt::format("{}, and {}", changes.front(), counted(more, "more change"));
 }
 
 /// \throws InvalidInput if a campaign is to be done again whose measurements are there.

@@ -35,7 +35,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"calibrate", "colors"},
        .inputs = {"folder", "response"},
        .outputs = {"output", "picture"},
-       .result_entry = "output",
        .result = "colors.yaml",
        .main_figure =
            [](const Json& f) { return fmt::format("{} colours", f.at("colors").size()); }},
@@ -43,7 +42,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"decode"},
        .inputs = {"frames", "rig", "pattern", "colors", "response"},
        .outputs = {"output"},
-       .result_entry = "output",
        .result = "range",
        .feeds = {{"colors", {{"colors", "output"}}, {"multishot", "anchor"}}},
        .main_figure =
@@ -54,7 +52,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"mesh"},
        .inputs = {"range", "rig", "mask", "color-images", "still"},
        .outputs = {"output", "picture"},
-       .result_entry = "output",
        .result = "surface.ply",
        .feeds = {{"range", {{"decode", "output", "000000.tiff"}}, {}}},
        .main_figure = figure_of_mesh},
@@ -62,7 +59,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"probe", "plan"},
        .inputs = {"surface", "specimen", "scene"},
        .outputs = {"output", "picture"},
-       .result_entry = "output",
        .result = "plan.json",
        .feeds = {{"surface", {{"mesh", "output"}}, {"specimen"}}},
        .main_figure =
@@ -72,7 +68,6 @@ const std::vector<ProjectStep>& table() {
        .inputs = {"plan", "specimen", "surface", "arm-config", "replay", "rig", "pattern", "colors",
                   "sensor"},
        .outputs = {"output", "record"},
-       .result_entry = "output",
        .result = "acquisition.db",
        .feeds = {{"plan", {{"plan", "output"}}, {}}},
        .measures = true,
@@ -82,7 +77,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"probe", "import"},
        .inputs = {"data", "mapping"},
        .outputs = {"output", "surface-out"},
-       .result_entry = "output",
        .result = "acquisition.db",
        .main_figure =
            [](const Json& f) {
@@ -93,7 +87,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"fit"},
        .inputs = {"acquisition", "surface", "shapes"},
        .outputs = {"output", "pictures"},
-       .result_entry = "output",
        .result = "model",
        .feeds = {{"acquisition", {{"probe", "output"}, {"import", "output"}}, {}},
                  {"surface", {{"mesh", "output"}, {"import", "surface-out"}}, {}}},
@@ -106,7 +99,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"reduce"},
        .inputs = {"model", "scene"},
        .outputs = {"output"},
-       .result_entry = "output",
        .result = "reduced",
        .feeds = {{"model", {{"fit", "output"}}, {}}},
        .main_figure =
@@ -118,6 +110,7 @@ const std::vector<ProjectStep>& table() {
        .command = {"evaluate"},
        .inputs = {"model", "queries", "leave-one-out"},
        .outputs = {"picture"},
+       .result_entry = "",
        .feeds = {{"model", {{"fit", "output"}}, {}},
                  {"leave-one-out", {{"fit", "acquisition"}}, {"queries"}}},
        .main_figure = figure_of_evaluation},
@@ -133,7 +126,6 @@ const std::vector<ProjectStep>& table() {
        .command = {"export"},
        .inputs = {"input", "rig"},
        .outputs = {"output"},
-       .result_entry = "output",
        .formats = {"ply", "obj", "vtk", "glb", "json", "cbor", "html"},
        .feeds =
            {{"input",

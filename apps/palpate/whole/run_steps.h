@@ -30,8 +30,8 @@ struct ProjectStep {
   /// Entries whose values are files or folders that the command reads, and that it writes. All
   /// others are values.
   std::vector<std::string> inputs, outputs;
-  std::string result_entry = {};  ///< the entry of the main output; empty: there is none
-  std::string result = {};        ///< its usual name
+  std::string result_entry = "output";  ///< the entry of the main output; empty: there is none
+  std::string result = {};              ///< its usual name
   /// Entries of which one gives the main output its ending; it then has the name of the input.
   std::vector<std::string> formats = {};
   std::vector<Feed> feeds = {};

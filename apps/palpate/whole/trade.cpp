@@ -38,15 +38,10 @@ std::string row(const Trade& trade, const TradePoint& point) {
                      point.bytes / 1e3, point.seconds, point.settings);
 }
 
-std::vector<TradeDot> dots_of(const Trade& trade, double TradePoint::*cost) {
+std::vector<TradeDot> dots_of(const Trade& trade, double TradePoint::*cost, double unit = 1) {
   std::vector<TradeDot> dots;
   for (const TradePoint& point : trade.points)
-    dots.push_back({point.settings, point.*cost, point.error});
-  return dots;
-}
-
-std::vector<TradeDot> in_kilobytes(std::vector<TradeDot> dots) {
-  for (TradeDot& dot : dots) dot.cost /= 1e3;
+    dots.push_back({point.settings, point.*cost / unit, point.error});
   return dots;
 }
 
@@ -160,8 +155,7 @@ void trade(const Settings& settings, TradeCall call) {
     const std::string error = fmt::format("error [{}]", found.unit);
     write("trade.csv", csv_of(found));
     write("trade.html", page_of(found, call));
-    write("error-size.svg",
-          trade_svg(in_kilobytes(dots_of(found, &TradePoint::bytes)), "size [kB]", error));
+    write("error-size.svg", trade_svg(dots_of(found, &TradePoint::bytes, 1e3), "size [kB]", error));
     write("error-time.svg", trade_svg(dots_of(found, &TradePoint::seconds), "time [s]", error));
   });
   for (const std::string& failure : found.failures) spdlog::warn("{}", failure);
