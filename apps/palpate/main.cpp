@@ -49,8 +49,8 @@ void describe_options(const CLI::App& command, Json& described) {
     describe_options(*group, described);
 }
 
-/// What `palpate --help-all --json` prints: a command with its options, and in "commands" those
-/// below it in the same form. Manual pages and completions are made of it.
+/// Returns the output of `palpate --help-all --json`: a command with its options, and in "commands"
+/// its subcommands in the same form. Manual pages and completions are made from it.
 Json describe_commands(const CLI::App& command) {
   Json described = {{"name", command.get_name()},   {"meaning", command.get_description()},
                     {"group", command.get_group()}, {"more", command.get_footer()},

@@ -20,7 +20,7 @@
 namespace palpate::apps {
 namespace {
 
-/// An option, whether it was given, and for what it is.
+/// An option, whether it was given, and the exports that it applies to.
 struct PageOption {
   const char* name;
   bool given;

@@ -20,16 +20,16 @@ struct PageCall {
   geometry::ReadOptions meshes;
 };
 
-/// What a file or folder holds that a page can show.
+/// The kind of content of a file or folder, of those that a page can show.
 enum class PageContent { model, range_maps, meshes };
 
-/// A file that is no image counts as a mesh: its reader says what it is not.
-/// \throws FileError if there is no such file, or nothing of these in the folder.
+/// Returns the kind of content. A file that is not an image counts as a mesh: its reader reports
+/// errors. \throws FileError if there is no such file, or the folder has none of these.
 [[nodiscard]] PageContent content_of(const fs::path& path);
 
-/// Checks the options of a call that asks for no page.
-/// \param is_animation whether it asks for that of a folder.
-/// \throws InvalidInput naming one that is for pages alone, or not for this content.
+/// Checks the options of a call without a page.
+/// \param is_animation true if the call writes an animation of a folder.
+/// \throws InvalidInput naming an option that is only for pages, or not for this content.
 void check_surface_options(const PageCall& call, PageContent content, bool is_animation);
 
 /// model.html, range.html or mesh.html.

@@ -26,7 +26,7 @@ constexpr double kStepOfDiagonal = 1e-5;
 constexpr double kStepOfRange = 1e-4;
 /// More are too many for the graphics of phones and of older computers.
 constexpr Eigen::Index kMostTriangles = 3'000'000;
-/// Drawn otherwise than as per-vertex values.
+/// Attributes that are not drawn as per-vertex values.
 constexpr std::array kNotShown{"nx", "ny", "nz", "red", "green", "blue", "alpha"};
 
 /// A number of each vertex.
@@ -36,12 +36,12 @@ struct VertexQuantity {
   double step = 1;
 };
 
-/// What must be known of all meshes before the first is packed.
+/// Properties of all meshes that are needed before the first one is packed.
 struct MeshSurvey {
   geometry::TriangleMesh first;
   Eigen::AlignedBox3d box;
-  std::vector<VertexQuantity> quantities;  ///< which all meshes have
-  bool colors = true;                      ///< all meshes have
+  std::vector<VertexQuantity> quantities;  ///< that all meshes have
+  bool colors = true;                      ///< true if all meshes have colours
   double step = 1;                         ///< [mm] of coordinates
 };
 
@@ -148,13 +148,13 @@ std::vector<std::byte> pack_mesh(const geometry::MeshFile& file, const MeshSurve
   return bytes;
 }
 
-/// Area and open edges, where the mesh is a surface.
+/// Returns area and open edges, if the mesh is a surface.
 Json measures_of(const geometry::TriangleMesh& mesh) {
   try {
     std::size_t open = 0;
     for (const std::vector<int>& loop : geometry::boundary_loops(mesh)) open += loop.size();
     return {{"area", geometry::surface_area(mesh)}, {"open_edges", open}};
-  } catch (const InvalidInput&) {  // edges of more than two triangles, or of turned ones
+  } catch (const InvalidInput&) {  // edges of more than two triangles, or of turned triangles
     return {{"area", nullptr}, {"open_edges", nullptr}};
   }
 }

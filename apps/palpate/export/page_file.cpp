@@ -23,8 +23,8 @@ namespace {
 
 constexpr std::string_view kBlocks = "{{blocks}}";
 
-/// JSON that ends no element of a page and holds no mark of a template: names of files may be any
-/// text.
+/// Returns JSON that closes no element of a page and has no placeholder of a template: file names
+/// may be any text.
 std::string json_text(const Json& facts) {
   std::string text;
   for (const char c : facts.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace)) {
@@ -68,7 +68,7 @@ std::string block(const std::string& packed) {
 
 struct PageEnds {
   std::string head;  ///< the page up to its blocks
-  std::string tail;  ///< what follows them
+  std::string tail;  ///< the page after its blocks
 };
 
 PageEnds ends_of(const SequencePage& page) {

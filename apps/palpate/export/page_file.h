@@ -24,7 +24,7 @@ inline constexpr std::size_t kMostPageBytes = 150'000'000;
 /// A page of kind "range" or "mesh", whose data are one block for all frames and one for each.
 struct SequencePage {
   std::string kind, title;
-  Json facts;                     ///< what the scripts of the page know of its data
+  Json facts;                     ///< description of the data for the scripts of the page
   std::vector<std::byte> common;  ///< the first block
   std::vector<fs::path> files;    ///< the frames
   /// The block of one of `files`; called by several threads at once.

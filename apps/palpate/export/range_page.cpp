@@ -23,7 +23,7 @@ namespace {
 /// rounding moves them by at most half of it: a twentieth.
 constexpr double kStepOfSigma = 0.1;
 /// The same without deviations: fraction of the smallest depth of the colour scale. At 700 mm it
-/// gives 5 um; the best depths that were measured are some 30 um off.
+/// gives 5 um; the best measured depths have errors of about 30 um.
 constexpr double kStepOfDepth = 1e-5;
 /// Deviations are rounded to powers of exp(0.02), so that they change by at most 1 %.
 constexpr double kStepOfLogSigma = 0.02;
@@ -70,7 +70,7 @@ std::span<const double> values_of(const geometry::ImageD& image) {
   return {image.data(), static_cast<std::size_t>(image.size())};
 }
 
-/// What must be known of all frames before the first is packed.
+/// Properties of all frames that are needed before the first one is packed.
 struct RangeSurvey {
   geometry::Camera camera;
   ValueRange depth, sigma;
@@ -80,7 +80,7 @@ struct RangeSurvey {
 };
 
 double step_of(const RangeSurvey& survey, const MapCamera& camera) {
-  if (camera.scale) return *camera.scale;  // whole multiples of it are what a depth image holds
+  if (camera.scale) return *camera.scale;  // a depth image holds whole multiples of it
   if (survey.depth.is_empty()) return 1;
   const double fine = survey.sigma.is_empty()
                           ? kStepOfDepth * survey.depth.to_json()["low"].get<double>()

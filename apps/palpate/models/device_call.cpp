@@ -71,7 +71,7 @@ double number_of(const std::string& key, const std::string& text) {
   throw InvalidInput("--set " + key + "=" + text + ": must be a finite number");
 }
 
-/// The trajectory as a path of the device: it is given in the object's frame.
+/// Converts the trajectory, given in the object's frame, to a path of the device.
 haptics::TimedPath path_of(const DeviceCall& call, const haptics::DeviceLoopOptions& options,
                            haptics::PathShape shape) {
   if (call.trajectory.empty()) {

@@ -16,12 +16,12 @@
 
 namespace palpate::apps {
 
-/// What `palpate play` with a device is asked to do.
+/// A call of `palpate play` with a device.
 struct DeviceCall {
   std::string device;  ///< recorded, scripted, hand, arm, or the driver of a device
   fs::path model, trajectory, trace, session, pose, exchange;
   std::string tool;  ///< name of the tool of a scene that the device moves; empty: the first one
-  std::optional<double> begin;        ///< [s] where a simulated device waits for its trajectory
+  std::optional<double> begin;        ///< [s] time at which a simulated device begins to wait
   std::vector<std::string> settings;  ///< of the device, key=value
   unsigned number = 0;                ///< of the device, for drivers of several
   bool in_process = false;            ///< the driver runs in this process
@@ -41,10 +41,10 @@ constexpr const char* kScripted = "scripted";
 constexpr const char* kHand = "hand";
 constexpr const char* kHeldArm = "arm";
 
-/// Whether the device is not one of the simulated ones.
+/// Returns true if the device is not a simulated one.
 [[nodiscard]] bool is_driver(const std::string& device);
 
-/// \throws FileError unless the driver's file is there.
+/// Checks that the driver's file exists. \throws FileError otherwise.
 void check_driver(const std::string& device);
 
 /// The settings of a simulated device. \throws InvalidInput for one that it does not have.

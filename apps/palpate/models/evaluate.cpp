@@ -23,7 +23,7 @@
 namespace palpate::apps {
 namespace {
 
-// Share of the squared forces that a model of the same object explains at least.
+// Smallest share of the squared forces that a model of the same object explains.
 constexpr double kSameForces = 0.5;
 // Forces that are this many times as large, or as small, seem to have another unit.
 constexpr double kOtherForceUnit = 3;

@@ -177,7 +177,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
                     [&] { return haptics::build_model(acquisition, surface, options); });
 }
 
-/// A run that fails because of its fits keeps none: another one would find the same.
+/// Builds the model. If the fits fail, removes their record: another run would fail as well.
 haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisition,
                                      const geometry::TriangleMesh& surface, const FitCall& call,
                                      FitRecord& record) {
@@ -189,7 +189,7 @@ haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisit
   }
 }
 
-/// The mesh of the call; without one, it is made of the contacts.
+/// Returns the mesh of the call; without one, a mesh of the contacts.
 geometry::TriangleMesh surface_of(const FitCall& call,
                                   const probing::CheckedAcquisition& acquisition, Json& warnings) {
   if (!call.surface.empty()) return geometry::read_mesh(call.surface, call.meshes);
@@ -202,7 +202,7 @@ geometry::TriangleMesh surface_of(const FitCall& call,
   return made;
 }
 
-/// The measurements with the radius of the call, if they do not say it.
+/// Returns the measurements with the radius of the call, if they do not state one.
 probing::CheckedAcquisition with_probe_radius(probing::CheckedAcquisition acquisition,
                                               std::optional<double> radius) {
   const std::optional<double> known = acquisition.records().probe_radius;

@@ -21,7 +21,7 @@ constexpr const char* kFitRecord = "fits of palpate fit";
 // Of the record; raised when the members of a line change. A record without one is older than 2.
 constexpr int kFitRecordVersion = 3;
 
-/// What a run without --resume would do, for messages.
+/// The remedy if a run cannot be resumed, for messages.
 constexpr const char* kAnew = "Leave out --resume to fit all contacts again";
 
 // JSON has no infinity and no NaN, which a figure of a fit may be.
@@ -39,12 +39,12 @@ double to_number(const Json& json) {
                           : std::numeric_limits<double>::quiet_NaN();
 }
 
-// What stands in a record and cannot be.
+// Thrown if a record contains an impossible value.
 struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The value, from 0 to `last`, that `to_string` has the word for.
+// Returns the value, from 0 to `last`, for which `to_string` returns the word.
 template <typename Value>
 Value to_value(const Json& json, Value last) {
   const auto word = json.get<std::string>();
@@ -111,7 +111,7 @@ haptics::FitResult to_fit(const Json& json) {
   return fit;
 }
 
-/// Whether a file begins as a record does.
+/// Returns true if a file begins like a record.
 bool is_record(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string line;

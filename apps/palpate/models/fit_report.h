@@ -8,19 +8,19 @@
 #include "palpate/haptics/build_model.h"
 #include "shared/aliases.h"
 
-// What `palpate fit` says of a model that it made.
+// Reports of `palpate fit` about a model that it made.
 namespace palpate::apps {
 
-/// Their numbers; the first fifty if there are more.
+/// Returns the numbers of contacts; the first fifty if there are more.
 [[nodiscard]] std::string contacts_in_words(const std::vector<long long>& contacts);
 
-/// Logs what was left out or is not determined.
+/// Logs the parts that were left out or are not determined.
 void tell_build(const haptics::BuildResult& built);
 
-/// Whether contacts share a local part, or why not. The model must have tried that.
+/// States whether contacts share a local part, or why not. The fit must have tried that.
 [[nodiscard]] std::string sharing_in_words(const haptics::BuildResult& built);
 
-/// What was taken off the samples, for --json.
+/// Returns the offsets that were subtracted from the samples, for --json.
 [[nodiscard]] Json offsets_in_figures(const haptics::PressingOffsets& offsets);
 
 /// One line for each contact.

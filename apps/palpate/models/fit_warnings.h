@@ -6,12 +6,12 @@
 #include "palpate/probing/acquisition.h"
 #include "shared/aliases.h"
 
-// What `palpate fit` doubts. Each function adds its warnings to the list `warnings`.
+// Warnings of `palpate fit`. Each function adds its warnings to the list `warnings`.
 namespace palpate::apps {
 
-/// Warns of what was not measured, so that the model only assumes it.
+/// Warns of properties that were not measured, so that the model only assumes them.
 void tell_gaps(const probing::CheckedAcquisition& acquisition, Json& warnings);
-/// Warns of fits that are complete, but say little of the measurements.
+/// Warns of fits that are complete, but explain the measurements badly.
 void tell_doubts(const haptics::BuildResult& built, Json& warnings);
 /// Warns of measurements of a campaign that a quasi-static model does not show.
 void tell_rates(const fs::path& acquisition, Json& warnings);

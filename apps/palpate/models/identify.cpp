@@ -139,7 +139,7 @@ void report(const Settings& settings, const IdentifyCall& call,
   print(settings, figures, prose);
 }
 
-/// What a specimen file says of where its material comes from.
+/// Returns the origin of the material, for the specimen file.
 Json provenance(const IdentifyCall& call, const haptics::IdentifiedSolid& found,
                 const probing::Acquisition& acquisition) {
   return {{"parameters", listed(found.report.parameters)},
@@ -165,7 +165,7 @@ std::string mesh_errors_in_words(const haptics::IdentifiedSolid& found) {
   return fmt::format("  corrected for the error of the mesh: {}\n", fmt::join(errors, ", "));
 }
 
-/// Warns of what the estimate does not use, or does not know.
+/// Warns of data that the estimate does not use, and of parameters that it does not determine.
 void warn_of_gaps(const haptics::IdentifiedSolid& found, const haptics::SolidOptions& options,
                   Json& warnings) {
   if (!found.left_out.empty()) {

@@ -32,7 +32,7 @@
 namespace palpate::apps {
 namespace {
 
-/// What a call of `palpate play` does, as a bit.
+/// The ways to call `palpate play`, one bit each.
 enum PlayWay : unsigned {
   kAlong = 1,          ///< forces along a trajectory, without a device
   kWithSimulated = 2,  ///< the loop with a simulated device
@@ -54,7 +54,7 @@ constexpr unsigned kAnyStability = kStabilityOfHand | kStabilityOfDriver;
 
 struct PlayOption {
   const char* name;
-  unsigned ways;  // in which it does something
+  unsigned ways;  // in which the option has an effect
   const char* needs;
 };
 
@@ -112,7 +112,7 @@ const char* words_of_way(PlayWay way) {
   return "";
 }
 
-/// \throws InvalidInput naming the first option that is given and does nothing in this way, and
+/// \throws InvalidInput naming the first option that is given but has no effect in this way, and
 /// what it needs.
 void refuse_idle_options(const CLI::App& play, PlayWay way) {
   const auto refuse_idle = [&](const std::string& name, unsigned ways, const char* needs) {
@@ -136,7 +136,7 @@ struct PlayCall {
   DeviceCall device;
 };
 
-/// [mm] of the ball that probed, as the model or the call says; none: not known.
+/// [mm] Radius of the ball that probed, from the model or the call; none: not known.
 std::optional<double> probe_radius_of(const PlayCall& call, const haptics::Model& model) {
   if (!call.probe_radius) return model.probe_radius;
   if (model.probe_radius && *model.probe_radius != *call.probe_radius) {
@@ -217,7 +217,7 @@ void play(const Settings& settings, const PlayCall& call) {
 
 /// A scene is a file, a model a folder.
 bool is_scene(const fs::path& path) {
-  std::error_code not_there;  // is refused where it is read
+  std::error_code not_there;  // its reader reports this
   return path.extension() == ".json" || fs::is_regular_file(path, not_there);
 }
 
@@ -231,8 +231,8 @@ PlayWay way_of(const PlayCall& call) {
   return driver ? kWithDriver : kWithSimulated;
 }
 
-/// What is asked for: a scene, a trajectory, a device, a session again, or the stability of a
-/// device.
+/// Does what the call requests: plays a scene, a trajectory, a device, or a session again, or
+/// computes the stability of a device.
 void play_anything(const Settings& settings, const CLI::App& command, PlayCall& call) {
   DeviceCall& device = call.device;
   device.model = call.model;

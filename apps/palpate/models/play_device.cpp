@@ -40,7 +40,7 @@ struct SceneOfDevice {
   std::vector<fs::path> inputs;  ///< files and folders that were read
 };
 
-/// What a scene's session was of: the path of each file and model, with its fingerprint.
+/// Returns the inputs of a scene's session: the path of each file and model, and its fingerprint.
 Json prints_of(const SceneOfDevice& scene) {
   Json prints = Json::array();
   for (const fs::path& path : scene.file.sources)
@@ -63,7 +63,7 @@ void report_replay(const Settings& settings, const fs::path& session,
                     again.ticks));
 }
 
-/// What a session of the loop must know to be computed again: its models.
+/// Returns the text that the replay of a session of the loop needs: its models.
 std::string session_of(const DeviceCall& call) {
   std::vector<fs::path> models = {call.model};
   if (!call.exchange.empty()) models.push_back(call.exchange);
@@ -90,7 +90,7 @@ SceneOfDevice read_scene_of_device(const fs::path& path, const std::string& tool
 
 std::string session_of(const SceneOfDevice& scene) {
   const Json session = {{"scene", prints_of(scene)}, {"tool", scene.file.tools[scene.tool]}};
-  return session.dump(-1, ' ', false, Json::error_handler_t::replace);  // a path may be no Unicode
+  return session.dump(-1, ' ', false, Json::error_handler_t::replace);  // paths need not be Unicode
 }
 
 /// The scene before its first tick, with ticks of the device [s].
@@ -181,9 +181,9 @@ void warn_of_run(const DeviceCall& call, const haptics::RunReport& report,
   if (report.refused > 0) spdlog::warn("{} commands were not taken.", report.refused);
 }
 
-/// What the loop plays, and what is written after it.
+/// The functions that begin the loop and, after it, write its trace.
 struct PlayedLoop {
-  std::string session;  ///< what a replay must know
+  std::string session;  ///< text that a replay needs
   std::function<std::unique_ptr<haptics::DeviceRun>(probing::Arm&, const haptics::RunOptions&)>
       begin;
   std::function<void(const haptics::LoopRecord&, const Json& figures)> write_trace;

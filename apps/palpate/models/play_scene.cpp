@@ -26,7 +26,7 @@ namespace {
 
 constexpr const char* kFiguresFile = "figures.json";
 
-/// What a tool felt, over all ticks.
+/// Contacts and forces of a tool over all ticks.
 struct ToolFigures {
   std::array<int, 3> ticks{};  ///< by ContactState
   int faded = 0;               ///< ticks in which another tool was too near

@@ -14,8 +14,8 @@ namespace palpate::apps {
 /// Plays a scene file along its paths. \param record folder for the traces; empty for none.
 void play_scene(const Settings& settings, const fs::path& scene, const fs::path& record);
 
-/// \param device the tool that a device moves. \param path of the file, for messages.
-/// \throws InvalidInput if another tool has no trajectory.
+/// Checks that each tool except `device`, the one that a device moves, has a trajectory.
+/// \param path of the file, for messages. \throws InvalidInput otherwise.
 void check_ways(const haptics::SceneFile& file, std::optional<std::size_t> device,
                 const fs::path& path);
 

@@ -26,7 +26,7 @@ struct ReduceCall {
   haptics::ReduceOptions options;
 };
 
-// The options with what the scene requires of the model.
+// Returns the options with the requirements of the scene.
 haptics::ReduceOptions required(const ReduceCall& call, const haptics::Model& model) {
   const auto& [scene, object] = call.scene;
   if (scene.empty()) return call.options;
@@ -81,7 +81,7 @@ std::string reduction_in_words(const haptics::ReducedModel& reduced, std::size_t
       newtons(reduced.force_rms, 2), stated);
 }
 
-// Why more is allowed than was asked for.
+// Warns why a larger error is allowed than was requested.
 void tell_raised(const haptics::ReducedModel& reduced) {
   if (!(reduced.raised > 1)) return;
   std::string why;

@@ -47,8 +47,8 @@ std::optional<pictures::JointTorques> torques_of(const ArmSession& session, int 
   return torques;
 }
 
-/// Whether `fit` uses what was measured under this force: the normal force of each sample, and the
-/// whole force of one that held. A tip that slipped rests elsewhere, under a force of no use.
+/// Returns true if `fit` uses the measurement under this force: the normal force of each sample,
+/// and the whole force of one that held. If a tip slipped, the force where it rests is not used.
 bool is_of_a_sample(const probing::AppliedForce& force, const probing::TrialRecord& trial) {
   if (!force.reference.allFinite() || !probing::sample_of(trial.order, trial.result, 0))
     return false;
@@ -57,8 +57,8 @@ bool is_of_a_sample(const probing::AppliedForce& force, const probing::TrialReco
           trial.result.outcome == probing::TrialOutcome::held);
 }
 
-/// What was applied in the samples of the first trials. A record may end before they do: a campaign
-/// that is resumed is not recorded.
+/// Returns the forces applied in the samples of the first trials. A record may end before these
+/// trials do: the resumed part of a campaign is not recorded.
 std::vector<probing::AppliedForce> applied_forces(CampaignArm& arm,
                                                   const probing::CampaignOptions& options,
                                                   const std::vector<probing::TrialRecord>& trials) {

@@ -11,7 +11,7 @@
 
 namespace palpate::apps {
 
-/// What a record of an arm tells beside the trials.
+/// The content of a record of an arm besides the trials.
 struct ArmSession {
   std::vector<probing::HeldPose> poses;  ///< at which gravity was measured
   probing::GravityModel gravity;

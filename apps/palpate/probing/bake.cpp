@@ -109,7 +109,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
                            const geometry::TriangleMesh& surface, const BakeCall& call) {
   Progress progress("fitting");
   haptics::BuildOptions options = haptics::exact_samples(call.plan.max_force);
-  // Friction is found in no time.
+  // The fit of friction takes almost no time.
   options.progress = [&](haptics::BuildStage stage, int done, int total) {
     if (stage == haptics::BuildStage::fields) progress.show(done, total);
   };

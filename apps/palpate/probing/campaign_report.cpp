@@ -65,7 +65,7 @@ pictures::TimeLine time_line(const CampaignReport& input) {
 }
 
 /// [mm] the mean displacement along the normal under the normal force of a level, at each contact
-/// of the model; NaN where that was not tried.
+/// of the model; NaN if the level was not tried there.
 Eigen::VectorXd displacements(const CampaignReport& input, int level) {
   std::map<long long, std::pair<double, int>> sums;
   for (const probing::TrialRecord& record : input.trials) {

@@ -17,14 +17,14 @@
 
 namespace palpate::apps {
 
-/// A campaign and what was made of it.
+/// A campaign and its results.
 struct CampaignReport {
   probing::Campaign campaign;
   std::vector<probing::TrialRecord> trials;  ///< at least one
   std::vector<probing::ReferenceProbe> references;
   CampaignFindings findings;
   probing::CampaignOptions options;
-  std::string software;  ///< that performed them
+  std::string software;  ///< program that performed them
   probing::CheckedAcquisition acquisition;
   haptics::Model model;
   std::optional<haptics::LeaveOneOut> left_out;  ///< none if the model has too few contacts

@@ -56,7 +56,7 @@ void take_name(const std::string& pair, probing::AcquisitionMapping& mapping) {
       CLI::detail::trim_copy(pair.substr(equals + 1));
 }
 
-/// Adds an option that changes a field of the mapping to `read` of what is given.
+/// Adds an option that sets a field of the mapping to `read` of the given value.
 template <typename Given, typename Field, typename Read>
 CLI::Option* add_change(CLI::App& command, const std::shared_ptr<ProbeCall>& call,
                         const std::string& name, Field probing::AcquisitionMapping::*field,
@@ -93,7 +93,7 @@ std::string files_in_words(const std::vector<fs::path>& files) {
   return names;
 }
 
-/// Whether forces may take the place of columns of normals, which are not there.
+/// Returns true if forces can replace the missing columns of normals.
 bool can_turn_forces_into_normals(const probing::MissingColumn& missing,
                                   const probing::AcquisitionMapping& mapping) {
   return missing.name == "nx" && !mapping.normals_from_forces && !mapping.columns.contains("nx") &&
@@ -131,7 +131,7 @@ probing::ImportedAcquisition read_data(const ProbeCall& call) {
   }
 }
 
-/// Says what is left out of a recording.
+/// Reports the parts of a recording that are left out.
 void tell_series(const probing::SeriesCounts& series) {
   spdlog::info("{} presses were found; {} moments in contact were too fast for a sample.",
                series.presses, series.fast);

@@ -15,7 +15,7 @@ namespace palpate::apps {
 
 /// `probe truth`: surface and known forces of a specimen.
 void add_probe_truth(CLI::App& probe, const Settings& settings);
-/// `probe plan`: where to probe a surface.
+/// `probe plan`: places at which to probe a surface.
 void add_probe_plan(CLI::App& probe, const Settings& settings);
 /// `probe run`, `probe resume` and `probe status`: a campaign.
 void add_probe_run(CLI::App& probe, const Settings& settings);
@@ -31,7 +31,7 @@ inline constexpr const char* kTruthSurface = "surface.ply";
 inline constexpr const char* kTruthQueries = "queries.csv";
 
 /// Writes the surface of a simulated object and known forces on it.
-/// \throws InvalidInput if no place is so far from the border, SolverError if a force has no
+/// \throws InvalidInput if no place is far enough from the border, SolverError if a force has no
 /// equilibrium, or OutputError.
 void write_truth(const fs::path& folder, const probing::Specimen& specimen,
                  const probing::KnownForceOptions& options = {});

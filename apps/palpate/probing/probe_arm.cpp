@@ -85,7 +85,7 @@ class QuasiStaticCampaignArm final : public CampaignArm {
     if (action.kind == probing::ProbeActionKind::lift) tip_ = action.target;
     return arm_->perform(action);
   }
-  // How long the next travel takes.
+  // The tip, which determines the duration of the next travel.
   std::string memory() const override { return Json{{"tip", numbers_in(tip_)}}.dump(); }
   std::shared_ptr<const probing::Specimen> specimen() const override { return specimen_; }
   bool tells_truth() const override { return true; }
@@ -96,7 +96,7 @@ class QuasiStaticCampaignArm final : public CampaignArm {
   Eigen::Vector3d tip_;
 };
 
-/// What an arm remembers, by a function that takes it.
+/// Passes the memory of an arm to the function `take`.
 template <typename Take>
 void recall(const std::string& memory, const std::string& source, Take take) {
   if (memory.empty()) return;
@@ -180,7 +180,7 @@ class MovingCampaignArm final : public CampaignArm {
 
  private:
   /// A device may have been moved or warmed up since: it measures gravity again, and so does its
-  /// replay. Only a virtual arm, which has a specimen, goes on with what it measured before.
+  /// replay. Only a virtual arm, which has a specimen, continues with its earlier measurement.
   bool remembers() const { return simulated_ != nullptr || (is_replay_ && specimen_); }
 
   std::shared_ptr<const probing::Specimen> specimen_;
@@ -227,7 +227,7 @@ std::shared_ptr<const probing::Specimen> specimen_of(const Json& json, const std
   return specimen;
 }
 
-/// The setup of an arm; where it stands follows from its specimen unless it is given.
+/// The setup of an arm; its pose follows from its specimen unless it is given.
 probing::ArmSetup setup_of(const Json& json, const std::string& source,
                            const probing::Specimen* specimen) {
   probing::ArmSetup setup = probing::parse_arm_setup(json.at("setup").get<std::string>(), source);

@@ -24,7 +24,7 @@ struct ArmCall {
   std::uint64_t seed = 1;
 };
 
-/// What happens to an arm while it probes; the result does not depend on it.
+/// Options while an arm probes; the result does not depend on them.
 struct ArmWatch {
   fs::path stop_file;  ///< the arm is stopped when this file exists; empty: none
   fs::path record;     ///< to write; empty: none
@@ -42,25 +42,25 @@ class CampaignArm : public probing::Prober {
   virtual void start() {}
   /// Writes what is recorded so far, if there is a record.
   virtual void keep_record() {}
-  /// Whether it moves at all: a quasi-static arm does not.
+  /// Returns true if the arm moves at all: a quasi-static arm does not.
   [[nodiscard]] virtual bool moves() const { return false; }
-  /// Whether it stands before a real object, which may be moved while the arm rests.
+  /// Returns true if the object is real; it may be moved while the arm rests.
   [[nodiscard]] virtual bool is_device() const { return false; }
   /// The simulated object that it probes; null before a real one.
   [[nodiscard]] virtual std::shared_ptr<const probing::Specimen> specimen() const {
     return nullptr;
   }
-  /// Whether its reports have `ProbeReport::truth`.
+  /// Returns true if its reports have `ProbeReport::truth`.
   [[nodiscard]] virtual bool tells_truth() const { return false; }
-  /// What moves it; null if it does not move.
+  /// The prober that moves the arm; null if it does not move.
   [[nodiscard]] virtual const probing::ArmProber* prober() const { return nullptr; }
-  /// Which contacts the arm can probe.
+  /// Determines the contacts that the arm can probe.
   /// \param surface of a real object, that the links must not touch; null if it is not known.
   [[nodiscard]] virtual probing::PlanReach reach(const probing::ContactPlan& plan,
                                                  const geometry::TriangleMesh* surface) const;
 };
 
-/// Makes an arm of its description. Ctrl-C stops it as an emergency stop does.
+/// Makes an arm from its description. Ctrl-C stops it like an emergency stop.
 /// \param memory of the arm after the trials that are done; empty at the beginning.
 /// \param source names the description in messages.
 /// \throws FileError, InvalidInput, or DeviceError of a driver.

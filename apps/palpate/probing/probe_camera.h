@@ -26,10 +26,10 @@ struct CameraCall {
 
 /// Adds `--rig`, `--pattern`, `--colors` and `--sensor`, and returns them.
 std::vector<CLI::Option*> add_camera_files(CLI::App& command, CameraCall& call);
-/// Adds `--camera`, these and all else that it can be told.
+/// Adds `--camera`, these and all other options of the camera.
 void add_campaign_camera(CLI::App& command, CameraCall& call);
 
-/// The description of a camera that a store keeps (JSON): its files and what they contained.
+/// The description of a camera that a store keeps (JSON): its files and their content.
 /// Empty if there is no camera.
 /// \param seed of the noise. \throws InvalidInput, FileError.
 [[nodiscard]] std::string describe_camera(const CameraCall& call, std::uint64_t seed);
@@ -39,11 +39,11 @@ void add_campaign_camera(CLI::App& command, CameraCall& call);
 [[nodiscard]] std::string moved_camera(const std::string& description, const CameraCall& call,
                                        const fs::path& store);
 
-/// An arm with the camera that looks at what it does.
+/// An arm and the camera that observes it.
 class CampaignCamera {
  public:
   /// Reads all files, and writes nothing.
-  /// \param arm which outlives the camera. \param store where the acquisition is, or will be.
+  /// \param arm must outlive the camera. \param store of the acquisition; need not exist yet.
   /// \throws InvalidInput if the arm or its specimen cannot be seen, or the files do not fit each
   /// other; FileError.
   CampaignCamera(const std::string& description, const fs::path& store,

@@ -23,11 +23,11 @@
 namespace palpate::apps {
 namespace {
 
-/// Shares from which on a difference is told. The virtual arm, whose force errs by 0.03 N on each
+/// Shares above which a difference is reported. The virtual arm, whose force errs by 0.03 N on each
 /// way and whose objects damp a little, shows a loss of 0.19 on an elastic body.
 constexpr double kNoticedLoss = 0.3, kNoticedCreep = 0.1;
-/// [mm] Change of the displacement under the reference force from which on it is told, if noise
-/// alone does not explain it: what a displaced object may be off when a campaign is resumed.
+/// [mm] Change of the displacement under the reference force above which it is reported, if noise
+/// alone does not explain it: as far as an object may be displaced when a campaign is resumed.
 constexpr double kNoticedDrift = 0.1;
 constexpr double kBeyondNoise = 3;  // standard deviations
 

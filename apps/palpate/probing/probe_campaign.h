@@ -27,26 +27,26 @@ struct RunningCampaign {
   std::unique_ptr<CampaignCamera> camera = nullptr;  ///< of this arm, if one looks at it
 };
 
-/// Where a stored campaign stands: it takes the stored trials once more, without an arm.
+/// Returns the state of a stored campaign: repeats the stored trials without an arm.
 /// \param source names the store in messages.
 /// \throws FileError if the trials are not those that the plan and the options order.
 [[nodiscard]] probing::Campaign replayed(const probing::CampaignStore& store,
                                          const std::string& source);
 
-/// What the trials tell of the object and the arm, beside the samples.
+/// Findings of the trials about the object and the arm, besides the samples.
 struct CampaignFindings {
   probing::RateDependence rates;
   probing::ReferenceDrift drift;
   bool has_camera = false;
-  int range_maps = 0;               ///< that samples have
-  std::vector<long long> not_seen;  ///< trials whose pictures were of no use
+  int range_maps = 0;               ///< number that samples have
+  std::vector<long long> not_seen;  ///< trials with unusable pictures
 };
 /// \throws FileError if the store cannot be read.
 [[nodiscard]] CampaignFindings findings_of(const probing::CampaignStore& store,
                                            const probing::ContactPlan& plan,
                                            const probing::CampaignOptions& options);
 
-/// What `probe run` and `probe status` print, with and without --json.
+/// The output of `probe run` and `probe status`, with and without --json.
 [[nodiscard]] Json campaign_figures(const probing::Campaign& campaign,
                                     const probing::CampaignOptions& options,
                                     const CampaignFindings& findings);
@@ -54,13 +54,13 @@ struct CampaignFindings {
                                          const probing::CampaignOptions& options,
                                          const CampaignFindings& findings);
 
-/// Where a quasi-static model does not show what was measured; empty if there is nothing to say.
+/// Describes measurements that a quasi-static model does not show; empty if there are none.
 [[nodiscard]] std::string beyond_statics(const probing::RateDependence& rates);
 
-/// That the displacement under the reference force changed; empty if it did not beyond doubt.
+/// States that the displacement under the reference force changed; empty if that is not certain.
 [[nodiscard]] std::string beyond_steadiness(const probing::ReferenceDrift& drift);
 
-/// What a reader must know of a target that is not reached; empty if there is nothing to say.
+/// Explains a target that is not reached; empty if there is nothing to explain.
 [[nodiscard]] std::string beyond_reach(const probing::CampaignProgress& at,
                                        const probing::CampaignOptions& options);
 
@@ -73,8 +73,8 @@ void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
                     const probing::CampaignOptions& options,
                     int most = std::numeric_limits<int>::max());
 
-/// Which contacts an arm can probe. `surface_path` is the surface of a real object, or empty; a
-/// device without it is warned of.
+/// Determines the contacts that an arm can probe. `surface_path` is the surface of a real object,
+/// or empty; for a device without it there is a warning.
 /// \throws InvalidInput if the plan is of another surface.
 [[nodiscard]] probing::PlanReach reach_of_arm(const CampaignArm& arm,
                                               const probing::ContactPlan& plan,

@@ -30,7 +30,7 @@
 namespace palpate::apps {
 namespace {
 
-/// Contacts that are touched again before a device goes on, and touches of each. A touch scatters
+/// Contacts that are touched again before a device continues, and touches of each. A touch scatters
 /// by 0.03 mm along the approach.
 constexpr int kTouchedContacts = 3, kTouchesOfContact = 5;
 
@@ -45,7 +45,7 @@ struct RunCall {
 };
 
 /// Touches a real object again where it was touched before the campaign was interrupted.
-/// \throws Error if it is no longer where it was.
+/// \throws Error if it has moved.
 void check_not_moved(probing::CampaignStore& store, RunningCampaign& running,
                      const probing::CampaignOptions& options, double limit, const fs::path& path) {
   const std::vector<probing::ContactTouches> before =
@@ -72,7 +72,7 @@ void check_not_moved(probing::CampaignStore& store, RunningCampaign& running,
       path.string(), words, limit, running.campaign.progress().trials));
 }
 
-/// What is said of the record of the arm, at the beginning of a part of the campaign.
+/// Notes the record of the arm in the store when a part of the campaign begins, or warns of none.
 void note_record(probing::CampaignStore& store, const fs::path& record, int trials) {
   if (!record.empty()) {
     return store.note("recorded",
@@ -87,7 +87,7 @@ void note_record(probing::CampaignStore& store, const fs::path& record, int tria
   }
 }
 
-/// \param goes_on whether trials were performed before.
+/// \param goes_on true if trials were performed before.
 void perform(const Settings& settings, probing::CampaignStore& store, RunningCampaign running,
              const RunCall& call, bool goes_on) {
   const fs::path& path = call.store;

@@ -42,7 +42,7 @@ struct PlacementCall {
   double ball_radius = 0;
 };
 
-/// What one measurement is called.
+/// The words for one measurement and for several.
 struct MeasurementWords {
   const char* one;
   const char* many;

@@ -27,12 +27,12 @@ namespace {
 
 /// From this number of poses on, the rig is calibrated after each, to see what is still uncertain.
 constexpr std::size_t kFirstCalibration = 4;
-/// Fewer corners or lit points of a pose do not count in a calibration.
+/// A calibration ignores poses with fewer corners or lit points.
 constexpr Eigen::Index kLeastPoints = 8;
 /// This number of poses is enough if nothing is uncertain.
 constexpr std::size_t kEnoughPoses = 10;
 
-/// Poses that determine a rig, until its calibration itself says what is missing.
+/// Poses that determine a rig, until its calibration itself gives advice.
 constexpr std::array<const char*, 12> kPoses{
     "facing the camera, in the middle of the image",
     "its left side nearer to the camera, by about 30 degrees",
@@ -53,7 +53,7 @@ struct CalibrationCall {
   std::optional<std::size_t> poses;
 };
 
-/// The poses so far, and what they tell of the rig.
+/// The poses so far, and the calibration of the rig from them.
 class Poses {
  public:
   Poses(const sensing::Board& printed, const sensing::ImageSize& panel)
@@ -70,10 +70,10 @@ class Poses {
   }
   [[nodiscard]] std::size_t count() const { return views_.size(); }
   [[nodiscard]] const sensing::RigView& last() const { return views_.back(); }
-  /// What is known of the rig so far; empty if it is too little.
+  /// The calibration from the poses so far; empty if they do not determine it.
   [[nodiscard]] const std::optional<sensing::RigCalibration>& rig() const { return rig_; }
 
-  /// Where to hold the board next.
+  /// Instruction for the next pose of the board.
   [[nodiscard]] std::string next() const {
     if (rig_ && !rig_->advice.empty()) return "Next pose: " + rig_->advice.front() + ".";
     if (rig_ && count() >= kEnoughPoses) return "The poses are enough; one more does no harm.";
@@ -82,7 +82,7 @@ class Poses {
   }
 
  private:
-  /// \throws InvalidInput if a pose tells too little.
+  /// \throws InvalidInput if a pose has too few points.
   static void check(const sensing::RigView& view) {
     const auto corners = view.board.cols();
     const auto lit = view.projector.cols();

@@ -21,10 +21,10 @@
 namespace palpate::apps {
 namespace {
 
-/// Frames after which it is said that they do not fit, so that nobody records for hours in vain.
+/// Frames after which a misfit is reported, so that nobody records for hours in vain.
 constexpr std::size_t kFirstJudgement = 5;
 
-/// As `palpate decode` records its settings, so that it can go on with --resume.
+/// The settings as `palpate decode` records them, so that it can continue with --resume.
 Json live_settings(const LiveDecodeCall& call, const sensing::CameraState& camera) {
   return decode_settings({.rig = call.rig,
                           .pattern = call.pattern,

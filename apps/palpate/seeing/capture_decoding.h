@@ -18,15 +18,15 @@
 
 namespace palpate::apps {
 
-/// What `capture sequence` decodes with.
+/// Options with which `capture sequence` decodes.
 struct LiveDecodeCall {
   fs::path output;  ///< the folder of the range maps; empty: nothing is decoded
   fs::path rig, pattern, colors, response;
   sensing::DecodeOptions options;
 };
 
-/// Decodes frames of a recording while it goes on, into a folder of range maps as `palpate decode`
-/// writes it: the same call with --resume decodes the frames that were skipped.
+/// Decodes frames of a recording while it continues, into a folder of range maps as `palpate
+/// decode` writes it: the same call with --resume decodes the frames that were skipped.
 class LiveDecoding {
  public:
   /// \throws InvalidInput if the camera is not the rig's, the folder has results, or as
@@ -34,12 +34,12 @@ class LiveDecoding {
   LiveDecoding(const LiveDecodeCall& call, const sensing::CameraState& camera);
 
   /// Decodes a frame and writes its range map. Any thread may call this.
-  /// \param file where the frame is recorded.
+  /// \param file in which the frame is recorded.
   /// \throws OutputError if the disk is full.
   void decode(const sensing::RecordedFrame& frame, const fs::path& file);
 
-  /// Records which frames are decoded. To be called when all frames are written.
-  /// \param frames all that were recorded, in their order.
+  /// Records which frames are decoded. Call it when all frames are written.
+  /// \param frames all recorded frames, in their order.
   void finish(const std::vector<fs::path>& frames);
 
   [[nodiscard]] const Outcomes& outcomes() const { return outcomes_; }

@@ -16,12 +16,12 @@ namespace palpate::apps {
 /// The file in which a recording lists its frames.
 inline constexpr const char* kCaptureRecord = "capture.jsonl";
 
-/// The folder of a recording: frame_NNNNNN.tiff, as the camera sent them; capture.jsonl, how the
-/// camera was set, and each frame as soon as it is written; times.csv, the same frames in order. A
-/// recording is never replaced.
+/// The folder of a recording: frame_NNNNNN.tiff, as the camera sent them; capture.jsonl, the
+/// settings of the camera, and each frame as soon as it is written; times.csv, the same frames in
+/// order. A recording is never replaced.
 class CaptureFiles {
  public:
-  /// \param settings how the camera is set.
+  /// \param settings of the camera.
   /// \throws InvalidInput if the folder already has images or a recording.
   /// \throws OutputError if it cannot be written.
   CaptureFiles(fs::path folder, const Json& settings);

@@ -40,7 +40,7 @@ struct SequenceCall {
   std::string projector;
 };
 
-/// "3, 17 to 21": which frames of `lost` have one cause.
+/// "3, 17 to 21": the frames of `lost` that have one cause.
 std::string lost_in_words(const std::vector<sensing::LostFrames>& lost, bool by_memory) {
   std::string words;
   std::size_t gaps = 0;
@@ -71,7 +71,7 @@ void warn_of_losses(const sensing::Recording& recording) {
   }
 }
 
-/// Shows on a terminal how a recording goes, and ends it at Ctrl-C.
+/// Shows the state of a recording on a terminal, and ends it at Ctrl-C.
 class RecordingWatch {
  public:
   explicit RecordingWatch(const Settings& settings)

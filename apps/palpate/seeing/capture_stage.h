@@ -15,7 +15,7 @@
 
 namespace palpate::apps {
 
-/// The camera of a call, and how it is to be set.
+/// The camera of a call, and its settings.
 struct LiveCameraCall {
   std::string name;
   std::vector<int> size;  ///< width, height [px]; empty: as the camera is set
@@ -26,20 +26,20 @@ struct LiveCameraCall {
 /// Adds CAMERA and the options of its settings.
 void add_live_camera_options(CLI::App& command, LiveCameraCall& call);
 
-/// Opens the camera, and prints what it warns of.
+/// Opens the camera, and prints its warnings.
 /// \throws InvalidInput or DeviceError.
 [[nodiscard]] std::unique_ptr<sensing::LiveCamera> open_live_camera(const LiveCameraCall& call);
 
-/// How the camera is set, for records and reports.
+/// The settings of the camera, for records and reports.
 [[nodiscard]] Json camera_figures(const sensing::CameraState& state);
 
-/// What `palpate decode` has to know of its frames: " --bayer rggb --bits 12"; mostly nothing.
+/// Options that `palpate decode` needs for its frames: " --bayer rggb --bits 12"; mostly none.
 [[nodiscard]] std::string decode_options_of(const sensing::CameraState& state);
 
 /// The name of a mosaic, as --bayer takes it.
 [[nodiscard]] std::string bayer_name(sensing::BayerPattern pattern);
 
-/// What all commands have that show images on a projector and take one image of each.
+/// Options of all commands that show images on a projector and take one image of each.
 struct StageCall {
   LiveCameraCall camera;
   fs::path show;  ///< folder of the images to show
@@ -49,10 +49,10 @@ struct StageCall {
   double settle_ms = 200;  ///< [ms] until an image is on the screen
 };
 
-/// Adds the options of a call. \param images what --show has to hold, for its help.
+/// Adds the options of a call. \param images that --show must contain, for its help.
 void add_stage_options(CLI::App& command, StageCall& call, const std::string& images);
 
-/// Says to the person at the rig what to do, and waits for Enter.
+/// Tells the person at the rig what to do, and waits for Enter.
 /// \return false if the answer was q, or standard input has ended.
 [[nodiscard]] bool operator_is_ready(const std::string& words);
 
@@ -62,13 +62,13 @@ class Stage {
   /// \throws InvalidInput or DeviceError.
   explicit Stage(const StageCall& call);
 
-  /// Shows an image and takes one of it, with the object at rest. What is taken is in colour if the
+  /// Shows an image and takes one of it, with the object at rest. The result is in colour if the
   /// camera has a mosaic, and uses all 16 bits if it has more than 8.
   /// \throws InvalidInput if the image does not fit the projector; DeviceError.
   [[nodiscard]] cv::Mat take(const fs::path& image);
 
   [[nodiscard]] sensing::LiveCamera& camera() { return *camera_; }
-  /// Largest share of pixels at full scale in an image that was taken, and which one it was.
+  /// Largest share of pixels at full scale in an image that was taken.
   [[nodiscard]] double most_clipped() const { return most_clipped_; }
   /// Warns if images are too bright.
   void warn_of_clipping() const;
@@ -82,7 +82,7 @@ class Stage {
 };
 
 /// The images of a folder whose names begin or end like one of these, by name.
-/// \throws InvalidInput if there are none; `remedy` says how to make them.
+/// \throws InvalidInput if there are none; `remedy` explains how to make them.
 [[nodiscard]] std::vector<fs::path> images_to_show(const fs::path& folder,
                                                    const std::vector<std::string>& starts,
                                                    const std::vector<std::string>& ends,

@@ -49,12 +49,12 @@ std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
   return std::nullopt;
 }
 
-/// Whether the rig is the one stored with the range maps.
+/// Returns true if the rig is the one stored with the range maps.
 bool lies_in_output(const DecodeCall& call) {
   return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.output / "rig.yaml");
 }
 
-/// What the folder holds if the run ends now.
+/// Describes the content of the folder if the run ends now.
 std::string what_is_kept(const ResultFolder& folder, const DecodeRecord& record,
                          const sensing::FrameSource& source) {
   return folder.what_is_kept(record.finished(),
@@ -149,7 +149,7 @@ sensing::Decoder make_decoder(const DecodeCall& call, const sensing::Rig& rig,
   return {rig, pattern, colors, call.options};
 }
 
-/// Of a sharded run that was merged, the journals are no longer true.
+/// The journals of a sharded run are invalid after its merge.
 bool is_no_journal(const fs::path& result) { return !result.has_parent_path(); }
 
 void decode(const Settings& settings, const CLI::App& command, DecodeCall call) {

@@ -29,7 +29,7 @@ struct FrameItem {
   std::vector<ShardFile> inputs, outputs;  ///< with --shard
 };
 
-/// Makes the function that reads a frame check and convert it as the call says.
+/// Makes the function that reads a frame check and convert it as the call requests.
 void prepare_reading(const DecodeCall& call, sensing::SourceFrame& frame) {
   if (call.bits == 0 && frame.number == 0) doubt_bits_when_read(frame);
   if (call.linearizer) linearize_when_read(*call.linearizer, frame);
@@ -48,7 +48,7 @@ cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
   return sensing::srgb_of(sensing::surface_color(image, decoded.result.range, rig, call.shown));
 }
 
-/// Warns if most phases are of no use because their surfaces have no anchor.
+/// Warns if most phases are not used because their surfaces have no anchor.
 void warn_of_pixels_without_anchor(const std::string& frame, const sensing::ReasonImage& reasons) {
   const long without = sensing::count(reasons, sensing::Reason::no_transition);
   const long decoded = sensing::count(reasons, sensing::Reason::reconstructed);

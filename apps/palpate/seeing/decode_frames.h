@@ -36,19 +36,19 @@ struct DecodeCall {
   int exposures = 1;  ///< of `multishot`
 };
 
-/// Where frames come from, and what is to be done with them besides decoding. `next` and `finished`
-/// are each called by one thread at a time, but may overlap.
+/// The source of frames, and functions to call besides decoding. `next` and `finished` are each
+/// called by one thread at a time, but may overlap.
 struct DecodeStages {
   /// The next frame to be decoded; nothing at the end.
   std::function<std::optional<sensing::SourceFrame>()> next;
   std::function<void()> begin;  ///< called once, before the first output is written
-  std::function<void(const Outcome&)> finished;  ///< called for each frame, in their order
+  std::function<void(const Outcome&)> finished;  ///< called for each frame, in order
 };
 
 /// Decodes frames in parallel, and writes the outputs of each. They are written or drawn while the
 /// frame is in the pipeline; only its figures are kept. A frame that cannot be decoded is an
 /// outcome with an error.
-/// \throws OutputError if an output cannot be written, and what the stages throw.
+/// \throws OutputError if an output cannot be written, and the exceptions of the stages.
 void decode_frames(const sensing::Decoder& decoder, const DecodeCall& call,
                    const DecodeStages& stages);
 

@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is wrong with the sinusoid in a frame; nothing if it is not distorted, or cannot be
-/// examined.
+/// Describes the distortion of the sinusoid in a frame; nullopt if it is not distorted, or cannot
+/// be examined.
 std::optional<std::string> distortion_of(const cv::Mat& frame) {
   sensing::HarmonicCheck check;
   try {
@@ -42,7 +42,7 @@ std::optional<std::string> distortion_of(const cv::Mat& frame) {
       percent(check.second), percent(check.third), check.phase_wave);
 }
 
-// Where a file is; that of a link is where it leads.
+// Returns the folder of a file; of a symbolic link, that of its target.
 fs::path folder_of(const fs::path& file) {
   std::error_code not_there;
   if (fs::is_symlink(file, not_there)) return fs::weakly_canonical(file, not_there).parent_path();
@@ -95,7 +95,7 @@ sensing::FrameSource open_frames(const std::vector<fs::path>& frames, const std:
   if (!bayer.empty()) options.bayer = sensing::bayer_pattern(bayer);
   sensing::FrameSource source(frames, options);
   check_outputs(frames, {output});
-  fs::path looked_at;  // most frames lie in one folder, and each look takes its time
+  fs::path looked_at;  // most frames lie in one folder, and each lookup takes time
   for (const fs::path& file : source.files()) {
     const fs::path folder = folder_of(file);
     if (folder == looked_at) continue;

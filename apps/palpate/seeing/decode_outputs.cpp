@@ -78,7 +78,7 @@ void write_outputs(const DecodeOutputs& outputs, std::size_t number,
   } else if (!outputs.meshes.empty()) {
     write_surface(file("." + outputs.meshes), result.range, color);
   }
-  // Last: whoever waits for the range map finds the rest.
+  // Last: a program that waits for the range map then finds the other files.
   geometry::write_depth_tiff(file(".tiff"), result.range.z);
 }
 

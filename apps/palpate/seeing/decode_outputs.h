@@ -12,8 +12,8 @@
 
 namespace palpate::apps {
 
-/// What `decode` writes for each frame, and into which folder: data as TIFF and meshes, pictures as
-/// PNG.
+/// The files that `decode` writes for each frame, and their folder: data as TIFF and meshes,
+/// pictures as PNG.
 struct DecodeOutputs {
   std::filesystem::path folder;
   std::string meshes;     ///< file extension without the dot, pcd for points; empty for none
@@ -28,7 +28,7 @@ struct DecodeOutputs {
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& folder,
                                              std::size_t number, const std::string& ending);
 
-/// Whether `numbered` gives such a name.
+/// Returns true for a name of the kind that `numbered` returns.
 [[nodiscard]] bool is_numbered(const std::filesystem::path& name);
 
 /// Writes the data of a frame. A frame without a surface has no mesh.
@@ -44,15 +44,15 @@ void write_outputs(const DecodeOutputs& outputs, std::size_t number,
 void draw_outputs(const DecodeOutputs& outputs, std::size_t number,
                   const sensing::DecodeResult& result, const std::string& title);
 
-/// What is written for a frame, as endings of `numbered`: data, and then pictures.
-/// \param has_surface whether the frame has a depth, and thus a mesh and pictures of the depths.
+/// The outputs of a frame, as endings of `numbered`: data, and then pictures.
+/// \param has_surface true if the frame has a depth, and thus a mesh and pictures of the depths.
 struct OutputEndings {
   std::vector<std::string> data, pictures;
 };
 [[nodiscard]] OutputEndings output_endings(const DecodeOutputs& outputs, bool has_surface);
 
-/// Whether all data and pictures of a frame exist.
-/// \param has_surface whether the frame has a depth, and thus a mesh and pictures of the depths.
+/// Returns true if all data and pictures of a frame exist.
+/// \param has_surface true if the frame has a depth, and thus a mesh and pictures of the depths.
 [[nodiscard]] bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surface);
 
 }  // namespace palpate::apps

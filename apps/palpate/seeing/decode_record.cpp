@@ -31,7 +31,7 @@ constexpr const char* kDecodeFile = "decode.jsonl";
 constexpr const char* kDecodeTable = "frames.csv";
 constexpr const char* kDecodeRecord = "frames of palpate decode";
 
-/// What the user can do without the record, for messages.
+/// The remedy if the record cannot be used, for messages.
 constexpr const char* kDecodeRemedy = "Leave out --resume to decode all frames again";
 
 Json to_json(const sensing::DepthTrend& trend) {

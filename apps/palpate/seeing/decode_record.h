@@ -27,17 +27,17 @@ struct FinishedFrame {
   long pixels = 0;                        ///< number of pixels with a depth
   double median_depth = 0;                ///< [mm] NaN if no pixel has a depth
   double milliseconds = 0;                ///< time for decoding
-  sensing::DecodeEvidence evidence = {};  ///< whether it fits rig, pattern and colours
+  sensing::DecodeEvidence evidence = {};  ///< of its fit to rig, pattern and colours
 };
 
-/// The name of a frame with the size and time of its file, by which a later run sees whether the
-/// file has changed. Both are 0 if the file cannot be examined.
+/// The name of a frame with the size and time of its file, by which a later run detects changes of
+/// the file. Both are 0 if the file cannot be examined.
 [[nodiscard]] FinishedFrame stamped(const sensing::SourceFrame& frame);
 
 /// Counts the known depths of a range map and computes their median, into the frame's record.
 void measure_depths(const geometry::ImageF& z, FinishedFrame& frame);
 
-/// What range maps depend on besides their frames.
+/// The settings on which range maps depend besides their frames.
 struct DecodeSettings {
   std::filesystem::path rig, pattern, colors, response;  ///< empty: not given
   std::string bayer;
@@ -53,7 +53,7 @@ struct DecodeSettings {
 [[nodiscard]] std::size_t count_finished_frames(const std::filesystem::path& file);
 
 /// A frame as one line of a record, and back.
-/// \throws nlohmann::json::exception if the line is none.
+/// \throws nlohmann::json::exception if the line is not a frame.
 [[nodiscard]] nlohmann::ordered_json record_of(const FinishedFrame& frame);
 [[nodiscard]] FinishedFrame frame_of(const nlohmann::ordered_json& json);
 
@@ -61,8 +61,8 @@ struct DecodeSettings {
 [[nodiscard]] std::vector<std::filesystem::path> numbered_files(
     const std::filesystem::path& folder);
 
-/// Lists what `palpate decode` wrote for the frames in a folder, with names relative to it; with
-/// the journals of shards that were merged.
+/// Lists the files that `palpate decode` wrote for the frames in a folder, with names relative to
+/// it, and the journals of shards that were merged.
 /// \throws InvalidInput if there are such files but no record, so that they may be somebody else's.
 [[nodiscard]] std::vector<std::filesystem::path> decoded_files(const std::filesystem::path& folder);
 

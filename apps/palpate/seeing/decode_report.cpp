@@ -25,7 +25,7 @@ double median_of(const Outcomes& outcomes, double Outcome::*milliseconds) {
   return geometry::error_statistics(values).median;
 }
 
-/// Warns of frames that do not fit, once for all.
+/// Warns of frames that do not fit, with one message for all.
 void warn_of_misfits(const Outcomes& outcomes) {
   std::string first;
   std::size_t misfits = 0;

@@ -34,19 +34,19 @@ using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the fram
 /// Judges all frames that were decoded as one sequence.
 [[nodiscard]] sensing::DecodeJudgement judge_sequence(const Outcomes& outcomes);
 
-/// Prints what became of the frames, and warns of those that do not fit rig, pattern and colours
+/// Prints the results of the frames, and warns of those that do not fit rig, pattern and colours
 /// although the sequence does.
 /// \param output the folder with the range maps.
-/// \param outputs what was written beside them.
-/// \param seconds the time that all took.
+/// \param outputs the files that were written beside them.
+/// \param seconds the total time.
 void report_decoding(const Settings& settings, const std::filesystem::path& output,
                      const DecodeOutputs& outputs, const Outcomes& outcomes,
                      const sensing::DecodeJudgement& judgement, double seconds);
 
-/// Refuses results of frames that do not fit rig, pattern or colours. What was decoded stays where
-/// it is, but does not replace earlier results.
-/// \param force only warn.
-/// \param remedy where the results are, and how to accept them.
+/// Refuses results of frames that do not fit rig, pattern or colours. Decoded frames stay in their
+/// folder, but do not replace earlier results.
+/// \param force if true, only warns.
+/// \param remedy states the folder of the results, and how to accept them.
 /// \throws Error with the likely cause, and the remedy.
 void refuse_misfit(const sensing::DecodeJudgement& judgement, bool force,
                    const std::string& remedy);

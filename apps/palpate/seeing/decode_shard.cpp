@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// A video can only be read from its beginning, and says its number of frames by guess.
+/// A video can only be read from its beginning, and its number of frames is a guess.
 void refuse_videos(const std::vector<fs::path>& files) {
   const auto video = std::ranges::find_if_not(
       files, [](const fs::path& file) { return sensing::has_frame_name(file); });
@@ -116,7 +116,7 @@ void merge_decode_shards(const Settings& settings, const ShardCall& call,
   });
   const std::size_t broken = count_broken(outcomes);
   DecodeRecord record(call.output, call.record.at("settings"), names);
-  if (merged.missing.empty()) {  // whoever finds the record takes the sequence for complete
+  if (merged.missing.empty()) {  // a record means that the sequence is complete
     record.begin();
     for (const auto& [number, outcome] : outcomes) {
       if (outcome.error.empty()) record.add(outcome.frame);

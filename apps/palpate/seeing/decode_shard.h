@@ -23,12 +23,12 @@ struct DecodeShardCall {
   bool writes_rig = true;  ///< false: the rig of the call is already in the output folder
 };
 
-/// Decodes the frames of a shard, and prints what became of it.
+/// Decodes the frames of a shard, and prints the result.
 /// \throws InvalidInput if there are videos among the frames, or as `ShardRun`.
 void decode_shard(const Settings& settings, DecodeShardCall call);
 
 /// Merges the shards of `decode`: writes the record and the table of all frames, judges them as one
-/// sequence, and prints what `decode` without --shard prints.
+/// sequence, and prints the same as `decode` without --shard.
 /// \throws Error as `read_shards`, or if the frames do not fit, or if some could not be decoded.
 void merge_decode_shards(const Settings& settings, const ShardCall& call,
                          const ShardMergeOptions& options);

@@ -11,7 +11,7 @@
 namespace palpate::apps {
 
 /// The window on the projector. It belongs to the program `palpate-project`, which runs beside this
-/// one and is told what to show, so that `palpate` loads no OpenGL.
+/// one and gets the images from it, so that `palpate` loads no OpenGL.
 class ProjectorWindow {
  public:
   /// Opens a black window.
@@ -23,7 +23,7 @@ class ProjectorWindow {
   ProjectorWindow& operator=(const ProjectorWindow&) = delete;
 
   /// Shows an image; returns when it is on the screen, as far as the computer can tell.
-  /// \throws InvalidInput if it has not the size of the monitor.
+  /// \throws InvalidInput if it does not have the size of the monitor.
   /// \throws DeviceError if the window was closed.
   void show(const fs::path& image);
 

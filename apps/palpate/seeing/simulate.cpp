@@ -45,7 +45,7 @@ std::vector<fs::path> check_places(const SimulateCall& call) {
   inputs.insert(inputs.end(),
                 {call.rig, call.pattern, call.decoder_rig, call.sensor_file, call.scene.texture});
   check_output_folder(inputs, call.output);
-  // The scene is looked at before its frames are rendered.
+  // The scene is examined before its frames are rendered.
   for (const fs::path& mesh : call.scene.meshes) refuse_pipes({{"MESH", mesh}});
   if (call.shard) return {};  // shards replace nothing, and others may be at work
   return own_entries(call.output, "sensor.yaml", kOwnFiles);

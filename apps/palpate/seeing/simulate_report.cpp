@@ -24,12 +24,12 @@ double share(long part, long whole) {
 }
 double percent(long part, long whole) { return 100 * share(part, whole); }
 
-/// Formats a number with this many decimals; "none" for NaN, where nothing was measured.
+/// Formats a number with this number of decimals; "none" for NaN, if nothing was measured.
 std::string decimal(double value, int places) {
   return std::isnan(value) ? "none" : fmt::format("{:.{}f}", value, places);
 }
 
-/// What can be assessed of a failed trial: the truth, without depths.
+/// Returns a result for the assessment of a failed trial: the truth, without depths.
 sensing::DecodeResult nothing_decoded(const sensing::SceneTruth& truth) {
   sensing::DecodeResult none;
   none.range = truth.range;

@@ -21,7 +21,7 @@ struct ReportLine {
 /// Assesses the first body of a trial and draws its errors.
 [[nodiscard]] ReportLine report_line(const fs::path& picture, const sensing::RigTrial& trial);
 
-/// Prints what was simulated.
+/// Prints the results of a simulation.
 /// \param lines of the report; empty if there is none.
 /// \param images of each shot: 1, or those of a still scene.
 void print_simulated(const Settings& settings, const std::vector<ReportLine>& lines,

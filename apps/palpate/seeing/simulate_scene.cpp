@@ -18,7 +18,7 @@ namespace {
 
 /// Share of the camera's view that a mesh fills if no distance is given.
 constexpr double kFill = 0.8;
-/// How far the wall extends beyond the camera's view, to cover what lens distortion brings into it.
+/// Half the size of the wall, in sizes of the camera's view: enough for views with lens distortion.
 constexpr double kWallReach = 1.5;
 constexpr double kWallReflectance = 0.8;
 

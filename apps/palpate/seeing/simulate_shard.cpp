@@ -15,15 +15,15 @@
 namespace palpate::apps {
 namespace {
 
-/// A frame is told from others by its mesh and its distance.
+/// The name of a frame: its mesh and its distance, which distinguish it from others.
 fs::path shot_name(const SimulateCall& call, const Shot& shot) {
   const std::string mesh = call.scene.meshes[shot.mesh].filename().string();
   return shot.distance ? fs::path(fmt::format("{} at {} mm", mesh, *shot.distance))
                        : fs::path(mesh);
 }
 
-/// The meshes of which a frame is made: the first one says where all are, and the shutter blurs
-/// towards the next one.
+/// The meshes from which a frame is made: its own, the first one, which gives the pose of all, and
+/// the next one, towards which the shutter blurs.
 std::vector<ShardFile> meshes_of(const SimulateCall& call, const Shot& shot) {
   std::vector<ShardFile> files = {measured(call.scene.meshes[shot.mesh])};
   if (shot.mesh > 0) files.push_back(measured(call.scene.meshes.front()));

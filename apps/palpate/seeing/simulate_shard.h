@@ -11,13 +11,13 @@
 
 namespace palpate::apps {
 
-/// Simulates the frames of a shard, and prints what became of it. A shard whose frames are blurred
+/// Simulates the frames of a shard, and prints the result. A shard whose frames are blurred
 /// by the motion also reads the mesh after its last one.
 /// \throws InvalidInput as `ShardRun`, and as `do_shot`.
 void simulate_shard(const Settings& settings, const CLI::App& command, const SimulateCall& call,
                     const SimulateSetup& setup);
 
-/// Merges the shards of `simulate`: prints what it prints without --shard.
+/// Merges the shards of `simulate`: prints the same as without --shard.
 /// \throws as `read_shards`.
 void merge_simulate_shards(const Settings& settings, const ShardCall& call,
                            const ShardMergeOptions& options);

@@ -35,16 +35,16 @@ struct Shot {
   std::optional<double> distance;
 };
 
-/// What all frames have in common.
+/// The input that all frames have in common.
 struct SimulateSetup {
   sensing::Rig rig, decoder_rig;
   sensing::Pattern pattern;
-  std::vector<cv::Mat> panels;  ///< what the projector shows of each shot
+  std::vector<cv::Mat> panels;  ///< the images that the projector shows in each shot
   sensing::VirtualSensor sensor;
   std::vector<Shot> shots;
 };
 
-/// Reads what all frames have in common.
+/// Reads the input that all frames have in common.
 /// \throws FileError or InvalidInput if a file is damaged, or does not suit another one.
 [[nodiscard]] SimulateSetup read_setup(const SimulateCall& call);
 
@@ -55,7 +55,7 @@ struct SimulateSetup {
 /// Writes rig and sensor.
 void write_setup(const SimulateSetup& setup, const fs::path& output);
 
-/// What was written for a frame.
+/// The files and figures of a frame that was written.
 struct SimulatedShot {
   std::optional<ReportLine> line = {};  ///< if there is a report
   std::vector<fs::path> files = {};     ///< without the picture of the report

@@ -9,7 +9,7 @@ namespace palpate::apps {
 
 namespace fs = std::filesystem;
 
-/// Its members stay in the order in which they were added.
+/// JSON whose members stay in the order in which they were added.
 using Json = nlohmann::ordered_json;
 
 }  // namespace palpate::apps

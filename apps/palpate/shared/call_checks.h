@@ -20,14 +20,14 @@ namespace palpate::apps {
 /// Accepts one of some words. The message is "--format: is stp; it must be ply, obj or stl".
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
 
-/// The numbers of a list "1,2.5"; nullopt if one is none, or not finite.
+/// Returns the numbers of a list "1,2.5"; nullopt if one is not a number, or not finite.
 [[nodiscard]] std::optional<std::vector<double>> numbers_of(const std::string& text);
 
-/// The two whole numbers of "8x11" or "3/7", with this sign between them; nullopt for other texts.
+/// Returns the two integers of "8x11" or "3/7", with this sign between them; nullopt for others.
 [[nodiscard]] std::optional<std::pair<int, int>> pair_of(const std::string& text, char between);
 
-/// Accepts lists of numbers for which `is_right` holds. The message is "--crop: is 1,2; it must be
-/// " and `what`.
+/// Accepts lists of numbers for which `is_right` returns true. The message is "--crop: is 1,2; it
+/// must be " and `what`.
 [[nodiscard]] CLI::Validator list_of_numbers(
     std::function<bool(const std::vector<double>&)> is_right, const std::string& what);
 

@@ -23,7 +23,7 @@ constexpr double kLeastScale = 1e-3;
 struct Settings {
   bool json = false;   ///< print the figures as one JSON object instead of text
   bool quiet = false;  ///< print no text
-  /// Where the figures go instead, if a command is a step of another one; then nothing is printed.
+  /// Destination of the figures if a command is a step of another one; then nothing is printed.
   Json* figures = nullptr;
 };
 
@@ -33,10 +33,10 @@ constexpr const char* kSharedOptions = "Options of every command";
 /// Prints a result: the figures as one JSON object, or the text.
 void print(const Settings& settings, const Json& figures, const std::string& prose);
 
-/// A figure in JSON; null if it is not known. What is not finite is null without this.
+/// A figure in JSON; null if it is not known. Values that are not finite are null without this.
 [[nodiscard]] Json number_or_null(std::optional<double> figure);
 
-/// The numbers of a vector, and of a matrix row by row.
+/// Returns the numbers of a vector, and those of a matrix row by row.
 [[nodiscard]] Json numbers_in(const Eigen::Ref<const Eigen::VectorXd>& vector);
 [[nodiscard]] Json rows_in(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 

@@ -12,7 +12,7 @@ namespace palpate::apps {
 /// The figures of a score, with the names of `RangeMapScore`; lengths in mm.
 [[nodiscard]] Json score_figures(const geometry::RangeMapScore& score);
 
-/// The same in words: coverage, wrong depths, errors. `measurable` says which pixels these are.
+/// The same in words: coverage, wrong depths, errors. `measurable` describes the counted pixels.
 [[nodiscard]] std::string score_prose(const geometry::RangeMapScore& score,
                                       const std::string& measurable);
 

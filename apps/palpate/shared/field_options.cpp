@@ -27,7 +27,7 @@ std::string flag_name(std::string_view field, bool usual) {
   return (usual ? "--no-" : "--") + option_name(field).substr(2);
 }
 
-/// How a command shows numbers of a unit: angles in degrees.
+/// The form in which a command shows numbers of a unit: angles in degrees.
 struct ShownUnit {
   std::string name;
   bool is_angle = false;
@@ -200,7 +200,7 @@ std::string changed_options(const FieldList& fields, const FieldList& usual) {
       continue;
     }
     const std::string option = " " + name_of(now[i]);
-    // Each row of a table is given apart.
+    // Each row of a table is given separately.
     std::istringstream rows(shown(now[i]));
     for (std::string row; std::getline(rows, row, ';');) words += option + " " + row;
   }

@@ -19,8 +19,8 @@ namespace palpate::apps {
 /// Group of the options that few users set: --help-all shows them, --help does not.
 constexpr const char* kExpertOptions = "Expert options";
 
-/// Adds an option for each field of a list: --min-signal for `min_signal`, checked as the list
-/// says. Angles [rad] are given in degrees. The struct must live as long as the command.
+/// Adds an option for each field of a list: --min-signal for `min_signal`, with the range of the
+/// list. Angles [rad] are given in degrees. The struct must live as long as the command.
 /// \param only names of the fields that the command takes; empty: all
 /// \return the options, in the order of the fields.
 std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields,
@@ -47,7 +47,7 @@ void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields
 [[nodiscard]] std::string with_names(const InvalidInput& error,
                                      const std::map<std::string, std::string>& names);
 
-/// What `task` gives; its errors have these names.
+/// Returns the result of `task`; its errors have these names.
 template <typename Task>
 auto with_names(const std::map<std::string, std::string>& names, Task task) {
   try {

@@ -9,10 +9,10 @@
 
 namespace palpate::apps {
 
-/// A text that almost certainly differs if the content of the files differs.
+/// Returns a text that almost certainly differs if the content of the files differs.
 [[nodiscard]] std::string fingerprint(const fs::path& file);
 
-/// The same of a text: that of a file with this content.
+/// Returns the fingerprint of a file with this content.
 [[nodiscard]] std::string fingerprint_of(std::string_view text);
 
 }  // namespace palpate::apps

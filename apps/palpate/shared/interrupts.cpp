@@ -34,7 +34,7 @@ std::mutex at_interrupt_mutex;
 std::function<void()> at_interrupt;  // guarded by the mutex
 int signals_to_watcher = -1;         // the end of a pipe; a handler may write to it, but not lock
 
-std::mutex ending_mutex;  // held while the watcher speaks or ends the program, see stop_watching
+std::mutex ending_mutex;  // held while the watcher prints or ends the program, see stop_watching
 std::mutex words_mutex;
 std::string kept = "completed files are kept, no other file was changed";  // guarded by the mutex
 std::string how_to_continue;                                               // the same
@@ -57,7 +57,7 @@ void say(const std::string& words) {
   ::_exit(kInterruptedStatus);
 }
 
-/// Whether there was a signal before `time` has passed; a negative time waits for ever.
+/// Returns true if a signal arrives before `time` has passed; a negative time waits for ever.
 bool is_signalled_within(int signals, milliseconds time) {
   pollfd waiting{.fd = signals, .events = POLLIN, .revents = 0};
   if (::poll(&waiting, 1, static_cast<int>(time.count())) != 1) return false;

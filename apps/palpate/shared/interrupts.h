@@ -14,7 +14,7 @@ constexpr std::chrono::milliseconds kLongestStop{800};
 /// Exit status after Ctrl-C, as a shell expects it.
 constexpr int kInterruptedStatus = 130;
 
-/// The message for the user after Ctrl-C: what is kept, and what is not changed.
+/// Returns the message for the user after Ctrl-C: which files are kept, and which not changed.
 [[nodiscard]] std::string interrupt_message();
 
 /// Thrown after Ctrl-C or SIGTERM, so that stack unwinding cleans up.
@@ -46,8 +46,8 @@ void watch_for_interrupts();
 void stop_watching();
 
 /// While one exists, the first Ctrl-C does not end the program at once: it makes `check` throw. The
-/// program is ended if that takes longer than `kLongestStop`, or by the second Ctrl-C, of which the
-/// first one tells.
+/// program is ended if that takes longer than `kLongestStop`, or by the second Ctrl-C, which a
+/// message after the first one mentions.
 class InterruptedByThrowing {
  public:
   InterruptedByThrowing();
@@ -60,8 +60,8 @@ class InterruptedByThrowing {
   static void check();
 };
 
-/// An `InterruptedByThrowing` that gives the program as much time to stop as it takes, as an arm
-/// needs it that has to come to rest, or frames that have to be written.
+/// An `InterruptedByThrowing` without a limit on the time to stop, for example for an arm that has
+/// to come to rest, or for frames that have to be written.
 class InterruptedWithoutHaste {
  public:
   InterruptedWithoutHaste();

@@ -24,8 +24,8 @@
 namespace palpate::apps {
 namespace {
 
-/// \throws FileError if `path` is a PNG but not a depth image. A damaged file is left to its
-/// reader.
+/// \throws FileError if `path` is a PNG but not a depth image. The reader reports a damaged
+/// file.
 void check_depth_image(const fs::path& path) {
   const std::optional<sensing::PngPixels> pixels = sensing::read_png_pixels(path);
   if (!pixels || sensing::may_be_depths(*pixels)) return;
@@ -47,7 +47,7 @@ std::vector<fs::path> range_maps_in(const fs::path& folder, const MapCamera& cam
   if (sensing::is_depth_recording(folder)) {
     std::vector<fs::path> depths;
     for (const sensing::RecordedDepth& frame : camera.files->recordings.read(folder)) {
-      if (is_there(frame.depth)) check_depth_image(frame.depth);  // its reader tells a missing one
+      if (is_there(frame.depth)) check_depth_image(frame.depth);  // its reader reports missing ones
       depths.push_back(frame.depth);
     }
     return depths;
@@ -113,8 +113,8 @@ struct SelectionOption {
   const char* name;
   bool given;
   long left_out;
-  std::string words;     ///< what it has left out: "are nearer than --near 300"
-  std::string why_none;  ///< why it leaves out nothing, if that is so
+  std::string words;     ///< the depths that it left out: "are nearer than --near 300"
+  std::string why_none;  ///< the reason if it leaves out nothing
 };
 
 std::vector<SelectionOption> selection_options(const geometry::RangeMapSelection& selection,
@@ -149,7 +149,7 @@ std::string left_out_in_words(const geometry::RangeMapSelection& selection,
   return fmt::format("{}", fmt::join(words, ", "));
 }
 
-/// Tells which options have left out nothing, each once.
+/// Reports the options that left out nothing, each once.
 void tell_idle_options(const fs::path& path, const geometry::RangeMapSelection& selection,
                        const MapCamera& camera) {
   std::vector<sensing::Doubt> doubts;

@@ -21,7 +21,7 @@ namespace palpate::apps {
 /// \throws FileError if there is none beside it.
 [[nodiscard]] fs::path rig_of(const fs::path& range_map, const fs::path& rig);
 
-/// What range maps need besides themselves, read once for all of them.
+/// Files that range maps need besides themselves, read once for all of them.
 struct MapFiles {
   sensing::CameraFiles cameras;
   sensing::DepthRecordings recordings;
@@ -30,8 +30,8 @@ struct MapFiles {
 /// Camera of range maps (TIFF), and camera and unit of depth images (16-bit PNG) of other cameras.
 struct MapCamera {
   fs::path rig = {};  ///< rig or camera file; if empty, the rig.yaml beside the map
-  /// [mm] Length of one unit of a depth image; if missing, as the camera file or the layout of the
-  /// recording tells.
+  /// [mm] Length of one unit of a depth image; if missing, that of the camera file or of the layout
+  /// of the recording.
   std::optional<double> scale = {};
   std::vector<double> intrinsics = {};  ///< of a depth image: fx, fy, cx, cy [px]; empty: see `rig`
   geometry::RangeMapSelectionOptions selection = {};  ///< of the depths to keep
@@ -52,14 +52,14 @@ void add_selection_options(CLI::App& command, MapCamera& camera);
 /// \throws FileError if the mask is missing.
 void check_camera_options(const fs::path& path, const MapCamera& camera);
 
-/// \throws InvalidInput if there is an option that only depth images have, and `path` is none.
+/// \throws InvalidInput if an option is only for depth images, and `path` is not a depth image.
 void check_is_no_depth_call(const fs::path& path, const MapCamera& camera);
 
 /// \throws InvalidInput if depths are to be selected, which a mesh does not have.
 void check_selects_nothing(const fs::path& mesh, const MapCamera& camera);
 
 /// \throws InvalidInput if the option `--unit` is given, which range maps and depth images do not
-/// have. \param files for which it is.
+/// have. \param files for which that option is, for the message.
 void check_has_no_unit(const fs::path& map, const geometry::ReadOptions& options,
                        const char* files = "mesh files");
 
@@ -67,15 +67,15 @@ void check_has_no_unit(const fs::path& map, const geometry::ReadOptions& options
 /// \throws FileError if `mask` is missing.
 [[nodiscard]] fs::path mask_file(const fs::path& range_map, const fs::path& mask);
 
-/// [mm] The length of one unit of a depth image, if it is known. Tells once that a recording
-/// implies it.
+/// [mm] Returns the length of one unit of a depth image, if it is known. Reports once if a
+/// recording implies it.
 [[nodiscard]] std::optional<double> unit_of(const fs::path& depth_image, const MapCamera& camera);
 
-/// Reads a range map or a depth image, and tells what is unlikely about its camera and depths.
-/// Selects depths as the options say, and tells which of them leave out nothing.
+/// Reads a range map or a depth image, and warns of unlikely values of its camera and depths.
+/// Selects depths by the options, and reports which of them leave out nothing.
 /// \throws FileError if it, its rig or its mask is missing or damaged.
-/// \throws InvalidInput if the options do not suit it, if its size is not the camera's, if there
-/// cannot be such a camera or such depths, or if the options leave out all of them.
+/// \throws InvalidInput if the options do not suit it, if its size is not the camera's, if such a
+/// camera or such depths are impossible, or if the options leave out all of them.
 [[nodiscard]] geometry::RangeMap load_range_map(const fs::path& path, const MapCamera& camera);
 
 /// Lists range maps or depth images: a folder in `paths` is replaced by those in it by name,

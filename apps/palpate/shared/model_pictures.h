@@ -30,7 +30,7 @@ void draw_contact_field(const fs::path& png, const haptics::Model& model,
                         const probing::CheckedAcquisition& acquisition, std::size_t contact);
 
 /// Draws the leave-one-out errors of contacts on the surface, interpolated between contacts by
-/// their weights, and unknown where no contact has influence.
+/// their weights; they are unknown where no contact has influence.
 void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
                         const haptics::LeaveOneOut& errors);
 

@@ -37,7 +37,7 @@ void check_writable(const fs::path& path) {
   while (!is_there(folder) && folder.has_relative_path()) folder = folder.parent_path();
   if (!fs::is_directory(folder, ignored))
     throw OutputError(path.string() + ": cannot be written: " + folder.string() + " is a file.");
-  // Permissions alone do not tell: the superuser has them in folders of the kernel too.
+  // Permissions alone are not enough: the superuser has them in folders of the kernel too.
   std::string trial = (folder / ".palpate-trial-XXXXXX").string();
   if (::mkdtemp(trial.data()) != nullptr) {
     ::rmdir(trial.c_str());

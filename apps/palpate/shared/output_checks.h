@@ -24,7 +24,7 @@ void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& fo
 /// The same for a folder of a model, which may replace another model and nothing else.
 void check_model_output(const std::vector<fs::path>& inputs, const fs::path& folder);
 
-/// Pictures are PNG files.
+/// Checks that the names of pictures are those of PNG files.
 /// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not
 /// given.
 void check_pictures(const std::vector<fs::path>& pictures);

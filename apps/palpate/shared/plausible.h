@@ -14,14 +14,14 @@ namespace palpate::apps {
 /// {"kind": ..., "message": ...}.
 void warn(Json& warnings, const std::string& kind, const std::string& message);
 
-/// Warns of what is suspicious in measurements.
+/// Warns of suspicious measurements.
 /// \throws InvalidInput if they cannot be measurements of an object, naming `source`.
 void check_plausible(const std::string& source, const probing::CheckedAcquisition& acquisition,
                      Json& warnings);
 
-/// A surface of the contacts alone (`probing::contact_surface`). Warns of contacts that it is made
-/// without.
-/// \throws InvalidInput that begins with `source` if there is none.
+/// Returns a surface of only the contacts (`probing::contact_surface`). Warns of contacts that it
+/// leaves out.
+/// \throws InvalidInput that begins with `source` if there is no such surface.
 [[nodiscard]] geometry::TriangleMesh surface_of_contacts(
     const probing::CheckedAcquisition& acquisition, const std::string& source, Json& warnings);
 

@@ -18,19 +18,19 @@ namespace palpate::apps {
 /// \throws InvalidInput naming the folder if the model cannot be felt with a device.
 [[nodiscard]] haptics::Model playable_model(const fs::path& folder);
 
-/// The same, ready for the loop, as `made_playback`.
+/// Returns the playback of such a model, as `made_playback`.
 [[nodiscard]] std::shared_ptr<const haptics::Playback> playback_of(
     const fs::path& folder, const haptics::PlaybackOptions& options = {});
 
-/// What tells a model from another one, for sessions.
+/// Returns the fingerprint of a model, for sessions.
 [[nodiscard]] std::string print_of_model(const fs::path& folder);
 
-/// What a session of the loop must know to be computed again: its models, in the order of their
-/// use, and how they are played.
+/// Returns the text that the replay of a session of the loop needs: its models, in the order of
+/// their use, and their options of playback.
 [[nodiscard]] std::string session_text(const std::vector<fs::path>& models,
                                        const haptics::PlaybackOptions& options);
 
-/// What `session_text` wrote.
+/// The content of a text of `session_text`.
 struct SessionModels {
   std::vector<std::string> fingerprints;  ///< of its models; none: the session of something else
   haptics::PlaybackOptions playback;
@@ -44,7 +44,7 @@ struct SessionModels {
     const fs::path& folder, const haptics::Model& model,
     const haptics::PlaybackOptions& options = {});
 
-/// Warns if contacts of a model have an unknown friction, for which `played` is taken.
+/// Warns if contacts of a model have an unknown friction, for which `played` is used.
 /// \param unknown number of such contacts.
 /// \throws InvalidInput as `made_playback`.
 void check_friction(const fs::path& folder, int unknown, double played);

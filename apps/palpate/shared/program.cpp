@@ -21,7 +21,7 @@
 namespace palpate::apps {
 namespace {
 
-/// What tells errors and warnings from other messages.
+/// Writes the word that distinguishes errors and warnings from other messages.
 class Severity : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
@@ -43,7 +43,7 @@ std::string without_type_names(const std::string& message) {
   return std::regex_replace(message, type_name, "");
 }
 
-/// The exit status of `run`; prints what it throws.
+/// Returns the exit status of `run`; prints the message of its exception.
 int status_of(const std::function<int()>& run) {
   try {
     watch_for_interrupts();

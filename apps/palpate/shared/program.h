@@ -15,16 +15,16 @@ inline constexpr int kProgramWrongCall = 2;  ///< the call or an input file is w
 
 /// Runs a program: messages go to standard error after its name, Ctrl-C ends it with one line, and
 /// an exception becomes a message and an exit status.
-/// \return what `run` returns, or the status of what it threw.
+/// \return the result of `run`, or the status of its exception.
 [[nodiscard]] int run_program(const char* name, const std::function<int()>& run);
 
 /// The folder of this program.
 /// \throws FileError if /proc is not mounted.
 [[nodiscard]] fs::path program_folder();
 
-/// A file or folder that comes with the command.
-/// \param installed its path relative to the folder of the command, \param in_build where it is
-/// when the command runs in the folder in which it was built.
+/// Returns a file or folder that comes with the command.
+/// \param installed its path relative to the folder of the command, \param in_build its path if
+/// the command runs in the folder in which it was built.
 /// \throws FileError if there is none, and as `program_folder`.
 [[nodiscard]] fs::path bundled(const fs::path& installed, const fs::path& in_build);
 

@@ -36,7 +36,7 @@ struct Project {
 /// \throws FileError with the line if the file is not YAML, or not sections with entries.
 [[nodiscard]] Project read_project(const fs::path& path);
 
-/// A refusal of what stands in a line of a project: "project.yaml: line 3: `what`".
+/// Refuses the content of a line of a project: "project.yaml: line 3: `what`".
 [[noreturn]] void refuse_in_project(const fs::path& path, int line, const std::string& what);
 
 }  // namespace palpate::apps

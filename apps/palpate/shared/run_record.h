@@ -11,10 +11,10 @@
 
 namespace palpate::apps {
 
-/// What a long run has finished, so that --resume can continue it.
+/// The finished items of a long run, so that --resume can continue it.
 ///
-/// The file holds JSON Lines: the first line is the head, which says what the results depend on;
-/// each further line is one finished item.
+/// The file holds JSON Lines: the first line is the head, with all that the results depend on; each
+/// further line is one finished item.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct RunRecord {
   Json head;
@@ -22,7 +22,7 @@ struct RunRecord {
 };
 
 /// Reads a record. A last line without a line break was cut off by a crash and does not count.
-/// \param remedy what the user can do without the record, for the message.
+/// \param remedy for the message: how the user can continue without the record.
 /// \throws FileError if there is no whole head, or a line is not JSON.
 [[nodiscard]] RunRecord read_run_record(const fs::path& file, const std::string& remedy);
 

@@ -12,13 +12,13 @@
 
 namespace palpate::apps {
 
-/// Whether and how views of an object are registered to each other.
+/// Options of the registration of views of an object to each other.
 struct ScanRegistration {
   bool wanted = false;
   geometry::RegistrationOptions options;
 };
 
-/// Adds `--register` and the options of the search. `noun` is what the command calls a scan.
+/// Adds `--register` and the options of the search. `noun` is the command's word for a scan.
 void add_scan_registration(CLI::App& command, const std::string& noun,
                            ScanRegistration& registration);
 

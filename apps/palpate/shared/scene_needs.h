@@ -13,19 +13,19 @@
 
 namespace palpate::apps {
 
-/// A scene file that says what is needed, and which of its objects is meant.
+/// A scene file with requirements, and the object of it to which they apply.
 struct SceneChoice {
   fs::path scene = {};
   std::optional<std::string> object = {};
 };
 
 /// Adds the options `--scene` and `--object`. \return the first.
-/// \param usual which object is meant without a name. \param what of `--scene`.
+/// \param usual the default object, for the help. \param what the help text of `--scene`.
 CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std::string& usual,
                                const std::string& what);
 
-/// The vertices of a surface that a tool can reach; empty if that is not limited.
-/// \throws InvalidInput naming the scene and the object if that is no part of the surface.
+/// Returns the vertices of a surface that a tool can reach; empty if there is no limit.
+/// \throws InvalidInput naming the scene and the object if it can reach no part of the surface.
 [[nodiscard]] std::vector<bool> reachable_vertices_of(const fs::path& scene,
                                                       const haptics::SceneRequirement& requirement,
                                                       const geometry::TriangleMesh& surface);

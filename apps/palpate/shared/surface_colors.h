@@ -10,8 +10,8 @@
 
 namespace palpate::apps {
 
-/// Colours of vertices: what `color` shows where the camera sees them. Vertices beyond the image
-/// take the nearest pixel's.
+/// Returns the colours of vertices: those of `color` at their places in the image. Vertices beyond
+/// the image take the nearest pixel's.
 /// \param vertices 3 x V [mm], camera frame
 /// \param color 8 bit, BGR or grey, of the camera's size
 [[nodiscard]] geometry::Attributes colors_of(const Eigen::Matrix3Xd& vertices,
@@ -28,7 +28,7 @@ namespace palpate::apps {
 /// Colours of the vertices of a range map's mesh, from the picture that `decode --surface-color`
 /// has written beside the range map.
 /// \param vertices 3 x V [mm], camera frame
-/// \throws FileError if the picture is missing, or has not the size of the range map.
+/// \throws FileError if the picture is missing, or does not have the size of the range map.
 [[nodiscard]] geometry::Attributes colors_beside(const fs::path& range_map,
                                                  const Eigen::Matrix3Xd& vertices,
                                                  const MapCamera& camera);
@@ -42,7 +42,7 @@ namespace palpate::apps {
 
 /// Colours of the vertices of a range map's mesh, from its picture in a folder.
 /// \param vertices 3 x V [mm], camera frame
-/// \throws FileError if there is none, or if it has not 8 bit or not the size of the range map.
+/// \throws FileError if there is none, or if it does not have 8 bit and the range map's size.
 [[nodiscard]] geometry::Attributes colors_in(const fs::path& folder, const fs::path& range_map,
                                              const Eigen::Matrix3Xd& vertices,
                                              const geometry::Camera& seen_by,
@@ -50,7 +50,7 @@ namespace palpate::apps {
 
 /// Intensities of a range map's pixels, from its picture in a folder: of colours, the mean of the
 /// channels.
-/// \throws FileError if there is none, or if it has not the size of the range map.
+/// \throws FileError if there is none, or if it does not have the size of the range map.
 [[nodiscard]] geometry::ImageF intensities_in(const fs::path& folder, const fs::path& range_map,
                                               const geometry::Camera& seen_by,
                                               const MapCamera& camera);

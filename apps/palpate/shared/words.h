@@ -14,7 +14,7 @@ namespace palpate::apps {
 
 /// "noise explains the errors", ...
 [[nodiscard]] const char* in_words(haptics::FitStop stop);
-/// Why friction is not determined: "no sample slipped", ...
+/// The reason why friction is not determined: "no sample slipped", ...
 [[nodiscard]] const char* in_words(haptics::FrictionStop stop);
 /// "they already lie on the surface", ...
 [[nodiscard]] const char* in_words(haptics::RegistrationOutcome outcome);
@@ -32,8 +32,8 @@ template <std::integral Count>
 /// places, three digits as well below what these show.
 [[nodiscard]] std::string newtons(double force, int decimals = 4);
 
-/// The lines of a list that are printed: those with the largest errors, the largest first, and how
-/// many they are of all; with -v, all in their order.
+/// The lines of a list that are printed: those with the largest errors, the largest first, and
+/// their number of all; with -v, all in their order.
 [[nodiscard]] std::string worst_lines(const std::vector<std::string>& lines,
                                       const std::vector<double>& errors);
 

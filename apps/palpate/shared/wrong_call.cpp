@@ -81,7 +81,7 @@ std::string describe_command(const CLI::App& command, const std::vector<std::str
                      nearest ? "did you mean " + *nearest + "?" : "the commands are " + all + ".");
 }
 
-/// That an option that takes a fixed number of values has too few; empty if this is not the error.
+/// States that an option with a fixed number of values has too few; empty for another error.
 std::string describe_missing_values(const CLI::App& command, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return {};
   const std::string text = error.what();

@@ -13,9 +13,9 @@ namespace palpate::apps {
 /// or option.
 [[nodiscard]] std::string describe_wrong_call(const CLI::App& app, const CLI::ParseError& error);
 
-/// The word of `words` from which `word` differs by the fewest typing errors: letters that are
-/// missing, added, replaced or swapped.
-/// \return nothing if that is more than a third of its letters, or more than one of a short word.
+/// Finds the word of `words` from which `word` differs by the fewest typing errors: letters that
+/// are missing, added, replaced or swapped.
+/// \return nullopt if there are more than a third of its letters, or more than one in a short word.
 [[nodiscard]] std::optional<std::string> nearest_word(const std::string& word,
                                                       const std::vector<std::string>& words);
 

@@ -163,7 +163,7 @@ void add_measuring_steps(CLI::App& command, CloudCall& call) {
                })};
 }
 
-/// PLY has no place for points that are not known, and no grid.
+/// Writes the cloud. PLY cannot represent unknown points, and has no grid.
 void write_cloud(const CloudCall& call, geometry::PointCloud& cloud) {
   if (lower_extension(call.output) == ".ply") {
     std::vector<int> known;
@@ -175,7 +175,7 @@ void write_cloud(const CloudCall& call, geometry::PointCloud& cloud) {
   geometry::write_point_cloud(call.output, cloud, {.single_precision = call.single_precision});
 }
 
-/// The camera that saw the points, if the call tells it.
+/// Returns the camera that saw the points, if the call names it.
 std::optional<geometry::Camera> camera_of(const CloudCall& call) {
   const MapCamera& camera = call.settings.camera;
   const fs::path& first = call.inputs.front();

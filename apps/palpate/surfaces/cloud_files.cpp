@@ -19,7 +19,7 @@
 namespace palpate::apps {
 namespace {
 
-/// The points of a range map or depth image, with what `decode` has written beside it.
+/// Returns the points of a range map or depth image, with the data that `decode` wrote beside it.
 geometry::PointCloud read_map(const fs::path& input, const CloudSettings& settings) {
   check_has_no_unit(input, settings.points, "point and mesh files");
   const geometry::RangeMap map = load_range_map(input, settings.camera);

@@ -17,7 +17,7 @@
 namespace palpate::apps {
 namespace {
 
-/// The numbers of the shapes of the points, 0 for none; empty if no shape was found yet.
+/// The numbers of the shapes of the points, 0 for none; all 0 if no shape was found yet.
 std::vector<std::uint8_t> shapes_of(const geometry::PointCloud& cloud) {
   const geometry::Attribute* const shapes =
       geometry::find_attribute(cloud.attributes, kShapeAttribute);
@@ -26,7 +26,7 @@ std::vector<std::uint8_t> shapes_of(const geometry::PointCloud& cloud) {
   return std::get<std::vector<std::uint8_t>>(shapes->values);
 }
 
-/// The points of no shape yet; the others are unknown to a search for another one.
+/// Returns the points with those of a shape set to unknown, for the search for another shape.
 Eigen::Matrix3Xd free_points(const geometry::PointCloud& cloud) {
   Eigen::Matrix3Xd points = cloud.points;
   const std::vector<std::uint8_t> shapes = shapes_of(cloud);

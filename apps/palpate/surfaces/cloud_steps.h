@@ -14,7 +14,7 @@
 
 namespace palpate::apps {
 
-/// What steps of `cloud` need besides their own value.
+/// Settings that steps of `cloud` need besides their own value.
 struct CloudSettings {
   MapCamera camera;                          ///< for range maps and depth images
   geometry::ReadOptions points;              ///< for other files
@@ -25,10 +25,10 @@ struct CloudSettings {
   int min_points = 1;                                           ///< of a cluster
 };
 
-/// A cloud between two steps, and what the steps before did, in numbers and in words.
+/// A cloud between two steps, and the results of the earlier steps in numbers and in words.
 struct WorkedCloud {
   geometry::PointCloud cloud;
-  /// What the last step found, for --keep and --remove; empty if nothing.
+  /// The kind of points that the last step found, for --keep and --remove; empty if none.
   std::string found_what = {};
   std::vector<int> found = {};  ///< indices of its points
   Json steps = Json::array();
@@ -45,7 +45,7 @@ struct WorkedCloud {
 /// NAME_color.png, and its camera as the rig.yaml of the folder, unless it is there.
 /// \param camera that of the cloud. Without it, that of the rig.yaml in the folder or, if there is
 /// none, the one without lens distortion that fits the points.
-/// \returns what became of the camera, in words.
+/// \returns a description of the camera that was used or written, in words.
 /// \throws InvalidInput if the cloud is not organised, no camera sees each point at its pixel, or
 /// the rig.yaml in the folder is that of another camera. Nothing is written then.
 /// \throws OutputError.
@@ -53,8 +53,8 @@ struct WorkedCloud {
                                              const geometry::PointCloud& cloud,
                                              const std::optional<geometry::Camera>& camera);
 
-// The steps. Each throws InvalidInput if it would leave no point. An organised cloud stays so where
-// points are only removed.
+// The steps. Each throws InvalidInput if it would leave no point. An organised cloud stays so if a
+// step only removes points.
 void crop(WorkedCloud& worked, const Eigen::AlignedBox3d& box);
 void remove_outliers(WorkedCloud& worked, double max_deviations);
 void remove_isolated(WorkedCloud& worked, double radius, int neighbours);
@@ -81,18 +81,18 @@ void remove_found(WorkedCloud& worked);
 /// Points with finite coordinates.
 [[nodiscard]] Eigen::Index known_count(const geometry::PointCloud& cloud);
 
-/// The attributes that say of what shape or cluster a point is.
+/// The attributes with the number of the shape or cluster of a point.
 inline constexpr const char* kShapeAttribute = "shape";
 inline constexpr const char* kClusterAttribute = "cluster";
 
-/// Notes what a step did.
+/// Notes the result of a step.
 /// \param name of its option
 /// \param known_before points that were known before it
 void note_step(WorkedCloud& worked, const std::string& name, Eigen::Index known_before,
                const Json& figures, const std::string& words);
 
 /// Keeps some points, as a step of this name. An organised cloud stays so.
-/// \param words what the kept points have in common
+/// \param words the common property of the kept points
 /// \throws InvalidInput if there are none.
 void keep_only(WorkedCloud& worked, const std::string& name, const std::vector<int>& kept,
                const std::string& words);

@@ -39,15 +39,15 @@
 namespace palpate::apps {
 namespace {
 
-/// Distances [mm] of a surface A from B where both have a surface.
+/// Distances [mm] of a surface A from B, over the part that both have.
 struct InBoth {
   geometry::ErrorStatistics error;
-  double share = 0;                            ///< of A's points or area that is there
+  double share = 0;                            ///< of A's points or area in this part
   std::optional<double> camera_distance = {};  ///< [mm] mean depth of the points of a range map
 };
 
-/// Over the points of a range map of these depths, which may be moved since: the accuracy of a
-/// sensor relative to a reference (thesis 3.5.1).
+/// Computes the distances over the points of a range map: the accuracy of a sensor relative to a
+/// reference (thesis 3.5.1). \param depths of the range map, whose points may have been moved.
 /// \param within points that are farther from B are not in both.
 InBoth points_in_both(const Eigen::Matrix3Xd& a, const Eigen::ArrayXd& depths,
                       const geometry::TriangleMesh& b, double within) {
@@ -60,7 +60,7 @@ InBoth points_in_both(const Eigen::Matrix3Xd& a, const Eigen::ArrayXd& depths,
   return found;
 }
 
-/// Over the area of a mesh, whose vertices say nothing of the surface between them.
+/// Computes them over the area of a mesh, whose vertices alone do not describe the surface.
 /// \param a its distances from B.
 InBoth area_in_both(const geometry::SurfaceDistances& a, const geometry::TriangleMesh& b,
                     double within) {
@@ -208,8 +208,8 @@ Json to_json(const geometry::LargestDistance& distance) {
   return {{"lower", distance.lower}, {"upper", distance.upper}, {"at", numbers_in(distance.at)}};
 }
 
-/// Moves the smaller surface onto the larger, because a reference of the object alone lies on what
-/// a sensor saw of it and its surroundings, but not vice versa.
+/// Moves the smaller surface onto the larger, because a reference of only the object lies on the
+/// surface that a sensor saw of it and its surroundings, but not vice versa.
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
                                         const geometry::TriangleMesh& b) {
   geometry::RegistrationOptions options = call.registration;
@@ -224,7 +224,7 @@ geometry::Registration register_smaller(const CompareCall& call, const geometry:
 
 /// Moves A onto B and adds the pose to the figures. A pose that is not accepted is an error,
 /// because there is nothing to compare.
-/// \return the same in words.
+/// \return a description of the pose in words.
 std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                   const geometry::TriangleMesh& b, Json& figures) {
   const geometry::Registration found = register_smaller(call, a, b);
@@ -257,7 +257,7 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
 /// Warns if the surfaces cannot be two of one object.
 void doubt_places(const CompareCall& call, const geometry::TriangleMesh& a,
                   const geometry::TriangleMesh& b, const geometry::SurfaceDistances& spread) {
-  constexpr double kOtherUnit = 100;  // of sizes: as m to cm; other wrong units are off by more
+  constexpr double kOtherUnit = 100;  // ratio of sizes: m and cm; other wrong units differ by more
   constexpr double kApart = 0.1;      // of the smaller size: two of one object meet somewhere
   const double small = std::min(bounding_diagonal(a), bounding_diagonal(b));
   const double large = std::max(bounding_diagonal(a), bounding_diagonal(b));

@@ -26,7 +26,7 @@
 namespace palpate::apps {
 namespace {
 
-/// "1.5", or "1e+30" where all digits would be many.
+/// "1.5", or "1e+30" for very large numbers.
 std::string coordinate(double value, int decimals) {
   constexpr double kLongest = 1e15;  // [mm] doubles hold no more digits
   return std::abs(value) < kLongest ? fmt::format("{:.{}f}", value, decimals)
@@ -84,7 +84,7 @@ std::string quantity(double value) {
   return usual ? fmt::format("{:.1f}", value) : fmt::format("{:.4g}", value);
 }
 
-/// How much the surface bends, where that is known: the larger principal curvature of its vertices.
+/// The curvature of the surface: the larger principal curvature of the vertices where it is known.
 Description describe_curvature(const geometry::TriangleMesh& mesh) {
   const geometry::VertexCurvature curvature = geometry::vertex_curvature(mesh);
   const Eigen::ArrayXd mean = curvature.mean.array().abs();
@@ -99,7 +99,7 @@ Description describe_curvature(const geometry::TriangleMesh& mesh) {
                       bend.median, bend.p95)};
 }
 
-/// Area, volume, curvature and topology of a mesh, or why they are undefined.
+/// Area, volume, curvature and topology of a mesh, or the reason why they are undefined.
 Description describe_surface(const geometry::TriangleMesh& mesh) {
   try {
     const double area = geometry::surface_area(mesh);
@@ -159,7 +159,7 @@ Description describe_triangles(const geometry::TriangleMesh& mesh) {
                     shape.edges, shape.shortest_edge, shape.longest_edge, shape.median_edge,
                     shape.smallest_angle / kDegree, shape.largest_angle / kDegree)};
   } catch (const InvalidInput&) {
-    return {Json::object(), ""};  // the defects below tell why
+    return {Json::object(), ""};  // the defects below show the reason
   }
 }
 
@@ -202,7 +202,7 @@ Json corner(const Eigen::Vector3d& corner) {
   return corner.allFinite() ? numbers_in(corner) : Json(nullptr);
 }
 
-/// Where the points are, and how far each is from its nearest.
+/// The bounding box of the points, and the distances of points from their nearest neighbours.
 std::string place_in_words(const Eigen::AlignedBox3d& box,
                            const geometry::ErrorStatistics& nearest) {
   if (box.isEmpty()) return "";

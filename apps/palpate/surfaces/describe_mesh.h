@@ -18,14 +18,14 @@ struct Description {
 
 /// Describes a mesh file: size, unit and attributes, defects, and measures of its surface; or a
 /// file of points.
-/// \throws FileError if it can be read as neither, even a defective mesh.
+/// \throws FileError if it can be read as neither, not even as a defective mesh.
 [[nodiscard]] Description describe_mesh(const fs::path& path, geometry::ReadOptions options);
 
-/// Checks that coordinates are such that functions on clouds accept them.
+/// Checks that functions on clouds accept the coordinates.
 /// \throws InvalidInput naming the file and the point.
 void check_coordinates(const fs::path& path, const geometry::PointCloud& cloud);
 
-/// Describes points: how many, where, how far from each other, and what is known of each.
+/// Describes points: their number, bounding box, distances from each other, and attributes.
 [[nodiscard]] Description describe_cloud(const geometry::PointCloud& cloud);
 
 }  // namespace palpate::apps

@@ -60,7 +60,7 @@ std::vector<fs::path> list_scans(const FuseCall& call) {
   return call.inputs;
 }
 
-/// The pose of each scan: of a file each, or of the files in a folder that have the scans' names.
+/// Reads the pose of each scan: from one file each, or from files of a folder by the scans' names.
 std::vector<Eigen::Isometry3d> read_poses(const FuseCall& call,
                                           const std::vector<fs::path>& scans) {
   std::vector<fs::path> files = call.poses;
@@ -81,7 +81,7 @@ std::vector<Eigen::Isometry3d> read_poses(const FuseCall& call,
 }
 
 /// The deviations that `decode --sigma` has written beside a range map, at the vertices of its
-/// mesh: those of the noise, if the rig's part, which scans have in common, is known apart.
+/// mesh: only those of the noise if they are in a separate file; scans share those of the rig.
 Eigen::VectorXd read_sigma(const fs::path& map, const geometry::RangeMapMesh& meshed) {
   const fs::path file = noise_beside(map);
   if (!is_range_map(map) || !is_there(file)) return {};
@@ -103,9 +103,9 @@ Eigen::VectorXd read_sigma(const fs::path& map, const geometry::RangeMapMesh& me
   return at_vertices;
 }
 
-/// None if it is a range map that cannot be read, which is told. Only of a folder: files that were
-/// chosen one by one have to be right.
-/// \param broken gets what is wrong with it.
+/// Reads a scan. Returns nullopt, and reports it, if a range map of a folder cannot be read; files
+/// that are named one by one must be valid.
+/// \param broken gets a description of the fault.
 std::optional<geometry::Scan> read_scan(const FuseCall& call, const fs::path& file,
                                         std::vector<std::string>& broken) {
   if (!is_range_map(file) && !is_image(file))
@@ -127,7 +127,7 @@ std::optional<geometry::Scan> read_scan(const FuseCall& call, const fs::path& fi
                         .viewpoint = Eigen::Vector3d::Zero()};
 }
 
-/// Refuses scans that disagree where they overlap, unless the call insists.
+/// Refuses scans that disagree where they overlap, unless the call has --force.
 /// \return the pairs that disagree, with the names of their files.
 Json refuse_conflicts(const FuseCall& call, const geometry::MergedScans& merged,
                       const std::vector<std::string>& names) {

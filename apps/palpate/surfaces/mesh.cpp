@@ -23,7 +23,7 @@ namespace {
 /// Iterations of smoothing. A surface is smooth over its whole width long before.
 constexpr int kMostSmoothing = 1000;
 
-/// Shows a bar once one of the steps that may take long has begun.
+/// Makes the mesh. Shows a bar from the first step on that may take long.
 MadeMesh make_with_bar(const MeshCall& call) {
   MeshSteps steps = call.steps;
   steps.repairing = shown_as("repairing");

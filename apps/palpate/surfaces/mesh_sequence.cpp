@@ -32,14 +32,14 @@ struct SequenceItem {
   std::vector<ShardFile> inputs = {}, outputs = {};  ///< with --shard
 };
 
-/// What became of the range maps, in their order.
+/// The results of the range maps, in their order.
 struct SequenceReport {
   Json per_mesh = Json::array();
   std::size_t broken = 0;
   std::string first_error = {}, prose = {};
 };
 
-/// \param file the mesh, as it is named to the user.
+/// \param file the mesh, with the name that the user sees.
 void add_to(SequenceReport& report, const std::string& range_map, const fs::path& file,
             const Json& figures, const std::string& error) {
   Json entry = {{"range_map", range_map}};
@@ -120,19 +120,19 @@ std::vector<fs::path> earlier_results(const MeshCall& call, const std::vector<fs
   return results;
 }
 
-/// The picture of a range map, if it is wanted and there.
+/// The picture of a range map, if it is requested and exists.
 fs::path picture_for(const MeshCall& call, const fs::path& range_map) {
   try {
     if (call.steps.color) return color_beside(range_map);
     if (!call.steps.color_images.empty())
       return picture_of(call.steps.color_images, range_map, call.steps.camera);
   } catch (const FileError&) {
-    // The mesh tells that it is missing.
+    // The mesh reports that it is missing.
   }
   return {};
 }
 
-/// The files of which a mesh is made.
+/// The files from which a mesh is made.
 std::vector<ShardFile> inputs_of(const MeshCall& call, const fs::path& range_map) {
   std::vector<fs::path> files = {range_map, picture_for(call, range_map)};
   if (call.steps.smooth_depths && !call.steps.noise) files.push_back(noise_beside(range_map));
@@ -195,7 +195,7 @@ SequenceReport mesh_all(const MeshCall& call, const std::vector<fs::path>& maps)
   return report;
 }
 
-/// What a mesh depends on beside its range map: the camera is often in a file beside it.
+/// Fingerprints of the cameras: meshes depend on them, and they are often in files beside maps.
 std::string camera_print(const MeshCall& call, const std::vector<fs::path>& maps) {
   std::set<fs::path> folders;
   for (const fs::path& map : maps) folders.insert(map.parent_path());

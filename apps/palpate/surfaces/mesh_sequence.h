@@ -26,11 +26,11 @@ struct MeshCall {
 
 /// Meshes a sequence of range maps or depth images, or those of a shard, and reports them. One that
 /// cannot be meshed is reported and skipped.
-/// \throws FileError if no one can be meshed.
+/// \throws FileError if none can be meshed.
 /// \throws Error if some cannot be meshed, after the others.
 void mesh_sequence(const Settings& settings, const CLI::App& command, const MeshCall& call);
 
-/// Merges the shards of a sequence: prints what `mesh` without --shard prints.
+/// Merges the shards of a sequence: prints the same as `mesh` without --shard.
 /// \throws as `read_shards` and `mesh_sequence`.
 void merge_mesh_shards(const Settings& settings, const ShardCall& call,
                        const ShardMergeOptions& options);

@@ -30,7 +30,7 @@ namespace palpate::apps {
 namespace {
 
 /// The deviations that `decode --sigma` has written beside the range map: those of the noise, if
-/// the rig's part, which moves neighbours alike, is known apart.
+/// the rig's part, which moves neighbours equally, is in another file.
 geometry::ImageF deviations_beside(const fs::path& input) {
   if (!is_range_map(input)) {
     throw InvalidInput(input.string() +
@@ -57,7 +57,7 @@ void smooth_depths(const fs::path& input, const std::optional<geometry::DepthNoi
 /// Of noisy or wrong depths, less than this share of the pixels is part of a surface.
 constexpr double kLeastMeshed = 0.5;
 
-/// How MeshLab names the pictures of a texture in PLY files.
+/// The key of MeshLab for the pictures of a texture in PLY files.
 constexpr const char* kTextureComment = "TextureFile ";
 
 MadeMesh from_file(geometry::MeshFile file) {
@@ -72,7 +72,7 @@ MadeMesh from_file(geometry::MeshFile file) {
   return made;
 }
 
-/// Takes the texture to the mesh that a step has made.
+/// Transfers the texture to the mesh that a step has made.
 /// \param source of its vertices among those of `made`, or -1.
 void carry_texture(MadeMesh& made, const geometry::TriangleMesh& after,
                    std::span<const int> source) {
@@ -131,7 +131,7 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   return made;
 }
 
-/// Normals of the vertices would no longer be those of the surface.
+/// Removes the normals of vertices, which would no longer be those of the surface.
 void drop_normals(geometry::Attributes& attributes) {
   std::erase_if(attributes, [](const geometry::Attribute& attribute) {
     return attribute.name == "nx" || attribute.name == "ny" || attribute.name == "nz";
@@ -160,8 +160,8 @@ void repair(MadeMesh& made, const MeshSteps& steps) {
     made.prose += "  remaining: " + geometry::describe(defect) + "\n";
 }
 
-/// Takes on the mesh of a step that replaces places by patches. New vertices have what is nearest
-/// to them of the mesh before.
+/// Adopts the mesh of a step that replaces parts by patches. New vertices get the attributes of the
+/// nearest point of the mesh before.
 /// \param source of its vertices among those of `made`, or -1.
 void take_patched(MadeMesh& made, geometry::TriangleMesh after, std::span<const int> source) {
   if (!made.attributes.empty()) {
@@ -259,7 +259,7 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
 }  // namespace
 
 geometry::DepthNoise noise_in(const std::vector<fs::path>& still, MapCamera camera) {
-  // Of the whole scene, also where only a part of it is meshed.
+  // The noise is that of the whole scene, also if only a part of it is meshed.
   camera.selection = {};
   camera.mask.clear();
   // All are in memory; more would hardly change a standard deviation.

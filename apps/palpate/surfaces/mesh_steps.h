@@ -62,15 +62,15 @@ struct MadeMesh {
 /// \throws FileError, InvalidInput, SolverError or Unavailable, as the steps do.
 [[nodiscard]] MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps);
 
-/// \throws InvalidInput if colours are wanted in a format, ".stl", that has none.
+/// \throws InvalidInput if colours are requested in a format, ".stl", that has none.
 void check_color(const MeshSteps& steps, const std::string& extension);
 
-/// Writes a mesh that was made of `input`.
+/// Writes a mesh that was made from `input`.
 /// \throws OutputError if it cannot be written.
 void write_made(const MadeMesh& made, const fs::path& input, const fs::path& output);
 
-/// The names of files that the input names, such as `MeshFile::material_files`, as the output has
-/// to name them.
+/// Converts the names of files in the input, such as `MeshFile::material_files`, to those that the
+/// output needs.
 [[nodiscard]] std::vector<std::string> seen_from(const fs::path& output, const fs::path& input,
                                                  std::vector<std::string> names);
 

@@ -49,7 +49,7 @@ struct FrameFigures {
   double area = 0;                                // of the surface, relative to the reference
 };
 
-// Of the values that are known.
+// Quantile of the known values.
 double quantile(const Eigen::VectorXd& values, double share) {
   std::vector<double> known;
   for (const double value : values)
@@ -86,7 +86,7 @@ struct Positions {
   double seconds = 0;  // from one to the other
 };
 
-// Adds what a study of motion needs to the attributes of a mesh.
+// Adds the quantities of motion to the attributes of a mesh.
 FrameFigures describe(const MotionCall& call, const geometry::TriangleMesh& reference,
                       const Positions& beside, geometry::MeshFile& frame) {
   const Eigen::Matrix3Xd displacement = frame.mesh.vertices - reference.vertices;

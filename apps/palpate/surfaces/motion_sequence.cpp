@@ -17,8 +17,8 @@
 namespace palpate::apps {
 namespace {
 
-// [frames] The whole number at the end of a name, such as that of 000012.ply. Decimals are none,
-// and neither are more than nine digits, which are a time in some unit.
+// [frames] The integer at the end of a name, such as that of 000012.ply. Decimals do not count, and
+// neither do more than nine digits, which are a time in some unit.
 std::optional<double> frame_number(const fs::path& file) {
   static const std::regex kNumber("(?:.*[^0-9])?([0-9]{1,9})"), kDecimals(".*[0-9][.][0-9]+");
   const std::string name = file.stem().string();
@@ -28,7 +28,7 @@ std::optional<double> frame_number(const fs::path& file) {
   return parse_number<double>(match.str(1));
 }
 
-// [s] The time that a name is, such as that of 1305031102.160407.ply, a frame of TUM RGB-D.
+// [s] The time in a name, such as that of 1305031102.160407.ply, a frame of TUM RGB-D.
 std::optional<double> time_stamp(const fs::path& file) {
   static const std::regex kTime("[0-9]+[.][0-9]+");
   const std::string name = file.stem().string();
@@ -47,7 +47,7 @@ std::vector<MotionFrame> with_times(const std::vector<fs::path>& files, const Ti
   return frames;
 }
 
-/// Whether the times of some frames increase from each to the next.
+/// Returns true if the times increase from each frame to the next.
 bool advances(const std::vector<MotionFrame>& frames) {
   return !frames.empty() && std::ranges::adjacent_find(frames, std::greater_equal<>(),
                                                        &MotionFrame::time) == frames.end();

@@ -19,7 +19,7 @@ struct MotionFrame {
 /// Meshes with the same triangles, in the order of time.
 struct MotionSequence {
   std::vector<MotionFrame> frames;
-  bool has_seconds = false;  ///< as the times; or frames
+  bool has_seconds = false;  ///< true if the times are in seconds, not frames
 };
 
 /// The meshes of a folder. Their names are times, or end with the numbers of frames, so that lost
@@ -27,8 +27,8 @@ struct MotionSequence {
 /// \throws FileError if there are none.
 [[nodiscard]] MotionSequence motion_sequence(const fs::path& folder);
 
-/// [1/s] What the times of a sequence are divided by to become seconds: 1 if they are in seconds,
-/// otherwise `rate`.
+/// [1/s] Returns the divisor that converts the times of a sequence to seconds: 1 if they are in
+/// seconds, otherwise `rate`.
 /// \throws InvalidInput if they are in seconds, and --rate was given as well.
 [[nodiscard]] std::optional<double> frame_rate(const MotionSequence& sequence,
                                                const std::optional<double>& rate);

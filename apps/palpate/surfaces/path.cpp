@@ -36,7 +36,7 @@ struct PathCall {
   geometry::ReadOptions meshes;
 };
 
-/// Moves the places that were given onto the surface.
+/// Moves given places onto the surface.
 class Places {
  public:
   explicit Places(const TriangleMesh& mesh) : query_(mesh) {}

@@ -12,7 +12,7 @@
 namespace palpate::apps {
 namespace {
 
-/// Of the diagonal of the surface: from there on, a contact is in another frame.
+/// Distance of a contact, in diagonals of the surface, above which it is in another frame.
 constexpr double kBeside = 0.05;
 
 /// The corner of the triangle below a place that is nearest to it.

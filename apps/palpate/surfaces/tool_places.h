@@ -13,19 +13,19 @@
 
 namespace palpate::apps {
 
-/// Where a tool held the surface of an object while range maps of it were recorded.
+/// Places at which a tool held the surface of an object while range maps of it were recorded.
 class ToolPlaces {
  public:
-  /// Nothing is known.
+  /// No places are known.
   ToolPlaces() = default;
-  /// The samples of an acquisition that held and name a range map: there, the vertex nearest to the
-  /// contact is displaced as the tool is.
+  /// Reads the samples of an acquisition that held and name a range map: in that map, the vertex
+  /// nearest to the contact has the displacement of the tool.
   /// \param surface in the frame of the acquisition.
   /// \throws FileError if the acquisition cannot be read, InvalidInput if no sample names a range
   /// map, or a contact is not on the surface.
   ToolPlaces(const fs::path& acquisition, const geometry::TriangleMesh& surface);
 
-  /// \param range_map its name counts, without its folder.
+  /// \param range_map only its name is used, without its folder.
   [[nodiscard]] std::span<const geometry::KnownVertex> in(const fs::path& range_map) const;
 
  private:

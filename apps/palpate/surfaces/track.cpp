@@ -35,10 +35,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Of an object that a campaign presses. On an elastic body of 80 mm seen by the bundled rig, 0.001
-/// to 0.01 give errors within a tenth of each other.
+/// For an object that a campaign presses. On an elastic body of 80 mm seen by the bundled rig,
+/// 0.001 to 0.01 give errors within a tenth of each other.
 constexpr double kHeld = 0.003;
-/// Of the same object: its dents are small, and decoded depths have little noise.
+/// For the same object: its dents are small, and decoded depths have little noise.
 constexpr double kHeldStiffness = 0.01;
 
 struct TrackCall {
@@ -81,7 +81,7 @@ Reference load_reference(const TrackCall& call, const fs::path& first_map) {
   return reference;
 }
 
-/// Of a range map, and of its mask and its picture.
+/// The fingerprint of a range map, and of its mask and its picture.
 std::string content_of(const TrackCall& call, const fs::path& range_map) {
   std::string content = fingerprint(range_map);
   if (!call.camera.mask.empty()) content += fingerprint(mask_file(range_map, call.camera.mask));
@@ -113,8 +113,8 @@ Json settings_of(TrackCall call, const fs::path& reference, const fs::path& firs
   return settings;
 }
 
-/// The surface in a range map; or why it is lost, which is told.
-/// \throws InvalidInput if the first surface that was measured is not where the reference lies.
+/// Returns the surface in a range map; or reports and returns why it is lost.
+/// \throws InvalidInput if the first surface that was measured is not at the reference.
 geometry::TrackedSurface track_one(const TrackCall& call, const Reference& reference,
                                    const ToolPlaces& tool, const fs::path& file,
                                    geometry::SurfaceTracker& tracker) {
@@ -147,7 +147,7 @@ geometry::TrackedSurface track_one(const TrackCall& call, const Reference& refer
 }
 
 /// Tracks the frames that are not kept, and adds them to the record.
-/// \return [s] for these.
+/// \return [s] the time for these.
 double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
                  const Reference& reference, const ResultFolder& folder, TrackRecord& record) {
   const std::vector<TrackedFrame>& frames = record.frames();
@@ -160,7 +160,7 @@ double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
   const auto is_found = [](const TrackedFrame& frame) { return frame.lost.empty(); };
   const auto first = std::ranges::find_if(frames, is_found);
   if (first != frames.end() && !call.color_images.empty()) {
-    // It tells the texture.
+    // The first frame gives the texture.
     const auto index = static_cast<std::size_t>(first - frames.begin());
     (void)track_one(call, reference, tool, maps[index], tracker);
   }
@@ -184,7 +184,7 @@ double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
                 .lost = found.lost,
                 .figures = found.figures});
     const bool was_found = found.lost.empty();
-    // Before a frame is found nothing is written: the call may be wrong.
+    // Before the first frame is found, nothing is written: the call may be wrong.
     if (tracker.has_start()) {
       if (record.written() == record.kept()) folder.begin();
       record.begin();
@@ -201,7 +201,7 @@ double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Warns if the range maps hardly show how the surface moves along itself.
+/// Warns if the range maps hardly show tangential motion of the surface.
 /// \param sigma [mm] median deviation of vertices along the surface
 /// \param noise [mm]
 void doubt_motion_along(double sigma, double noise, bool has_images) {
@@ -218,7 +218,7 @@ void doubt_motion_along(double sigma, double noise, bool has_images) {
       has_images ? "" : ". Give pictures of its texture, if it has one (--color-images)");
 }
 
-/// \param seconds for the frames that were not kept.
+/// \param seconds time for the frames that were not kept.
 void report(const Settings& settings, const TrackCall& call, const TrackRecord& record,
             const geometry::TriangleMesh& mesh, double seconds) {
   const std::vector<TrackedFrame>& frames = record.frames();
@@ -239,7 +239,7 @@ void report(const Settings& settings, const TrackCall& call, const TrackRecord& 
     entry["file"] = file;
     const geometry::TrackingFigures& figures = frame.figures;
     rms.push_back(figures.rms);
-    // A range map says nothing new of the surface that is made from it.
+    // A range map gives no new information on the surface that is made from it.
     if (i > 0 || !call.reference.empty()) {
       noise.push_back(figures.rms);
       across.push_back(figures.sigma_across);
@@ -255,7 +255,7 @@ void report(const Settings& settings, const TrackCall& call, const TrackRecord& 
   const geometry::ErrorStatistics of_rms = geometry::error_statistics(rms);
   const double sigma_across = geometry::error_statistics(across).median;
   const double sigma_along = geometry::error_statistics(along).median;
-  // Beside maps without noise, the distances are too small to judge by.
+  // For maps without noise, the distances are too small for this judgement.
   doubt_motion_along(sigma_along, std::max(geometry::error_statistics(noise).median, sigma_across),
                      !call.color_images.empty());
   const std::string deviations =

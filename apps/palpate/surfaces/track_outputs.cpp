@@ -50,9 +50,9 @@ std::string entry_name(Eigen::Index row, Eigen::Index col) {
   return fmt::format("m{}{}", row, col);
 }
 
-/// Writes the nodes of a deformation graph where their motions put them, as points (.ply), each
-/// with its motion: columns of the 3 x 4 matrix are the properties m00, m10, m20, m01, ..., m23.
-/// What is read back has the same bits.
+/// Writes the nodes of a deformation graph at their moved positions, as points (.ply), each with
+/// its motion: columns of the 3 x 4 matrix are the properties m00, m10, m20, m01, ..., m23.
+/// Values that are read back have the same bits.
 void write_node_motions(const fs::path& path, const geometry::DeformationGraph& graph,
                         const std::vector<Eigen::Isometry3d>& motions) {
   geometry::PointCloud cloud;

@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kTrackFile = "track.jsonl";
 constexpr const char* kTrackRecord = "frames of palpate track";
 
-/// What the user can do without the record, for messages.
+/// The remedy if the record cannot be used, for messages.
 constexpr const char* kTrackRemedy = "Leave out --resume to track all frames again";
 
 /// NaN is null in JSON.
@@ -57,7 +57,7 @@ Json read_head(const fs::path& record) {
   return head.is_object() && head.value("kind", "") == kTrackRecord ? head : Json();
 }
 
-/// The names, without endings, of the range maps that a record is about.
+/// The names, without endings, of the range maps of a record.
 std::set<std::string> claimed_stems(const Json& head) {
   std::set<std::string> stems;
   if (!head.contains("inputs")) return stems;

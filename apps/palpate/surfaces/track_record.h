@@ -14,7 +14,7 @@
 
 namespace palpate::apps {
 
-/// What became of one range map.
+/// The result of one range map.
 struct TrackedFrame {
   std::string range_map;                   ///< name of its file
   std::string fingerprint;                 ///< of all files that it depends on
@@ -25,14 +25,14 @@ struct TrackedFrame {
 /// The members of a frame as in the record.
 [[nodiscard]] Json to_json(const TrackedFrame& frame);
 
-/// Lists what `palpate track` wrote for the range maps of an earlier run, with paths relative to
-/// `folder`.
+/// Lists the files that `palpate track` wrote for the range maps of an earlier run, with paths
+/// relative to `folder`.
 /// \throws InvalidInput if the folder holds a mesh that no record claims, or a file where a record
 /// is to be written.
 [[nodiscard]] std::vector<fs::path> tracked_files(const fs::path& folder);
 
-/// The range maps of a folder that `palpate track` wrote in which the surface was lost; none if the
-/// folder has no record, as that of another command.
+/// Returns the range maps in which the surface was lost, for a folder that `palpate track` wrote;
+/// none if the folder has no record, such as that of another command.
 /// \throws FileError if the record cannot be read.
 [[nodiscard]] std::vector<std::string> lost_frames(const fs::path& folder);
 
@@ -42,9 +42,9 @@ class TrackRecord {
   /// `settings`: by name, all that the meshes depend on besides the range maps `inputs`.
   TrackRecord(fs::path folder, Json settings, std::vector<fs::path> inputs);
 
-  /// Takes over the frames that an earlier run finished, up to the first one that is not as it
-  /// would be now: each frame depends on the one before.
-  /// \param is_kept of a frame and its range map, whether that has not changed and all is there.
+  /// Takes over the frames that an earlier run finished, up to the first one that would differ
+  /// now: each frame depends on the one before.
+  /// \param is_kept returns true if the range map of a frame has not changed and all outputs exist.
   /// \throws InvalidInput unless settings and range maps are the same (range maps may be added at
   /// the end).
   /// \throws FileError if the record cannot be read.

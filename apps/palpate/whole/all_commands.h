@@ -8,7 +8,7 @@
 
 namespace palpate::apps {
 
-/// Adds all subcommands of `palpate` to a new `app`, with what holds for their options. `settings`
+/// Adds all subcommands of `palpate` to a new `app`, with the rules for their options. `settings`
 /// must outlive it.
 void add_commands(CLI::App& app, const Settings& settings);
 

@@ -16,8 +16,8 @@ namespace palpate::apps {
 /// \return the figures, one entry per sheet.
 [[nodiscard]] Json demo_feeling(const fs::path& data, const fs::path& output);
 
-/// Third part of the demo: a simulated arm measures a simulated sheet, is stopped half way and goes
-/// on; then a model is fitted and compared with the truth. Writes a report below `output`.
+/// Third part of the demo: a simulated arm measures a simulated sheet, is stopped half way and
+/// continues; a model is fitted and compared with the truth. Writes a report below `output`.
 /// \return the figures.
 [[nodiscard]] Json demo_probing(const fs::path& data, const fs::path& output);
 

@@ -19,8 +19,8 @@
 namespace palpate::apps {
 namespace {
 
-/// Begins a campaign, leaves it half way as a crash would, opens its store again and goes on.
-/// \return the trials that were stored when it was left.
+/// Begins a campaign, leaves it half way like a crash, opens its store again and continues.
+/// \return the number of trials that were stored when it was left.
 int run_in_two_parts(const fs::path& path, const probing::ContactPlan& plan,
                      const fs::path& specimen) {
   const probing::CampaignOptions options;

@@ -141,7 +141,7 @@ Description describe_recording(const fs::path& path) {
                       camera, lost == 0 ? "none" : std::to_string(lost))};
 }
 
-/// Whether the text of a YAML file has a section of a project.
+/// Returns true if the text of a YAML file has a section of a project.
 bool is_project(const std::string& text) {
   return std::ranges::any_of(project_steps(), [&](const ProjectStep& step) {
     return text.starts_with(step.name + ":") || text.find("\n" + step.name + ":") != text.npos;

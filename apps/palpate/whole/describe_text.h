@@ -10,7 +10,7 @@ namespace palpate::apps {
 
 /// Describes a file of settings (YAML): rig, camera, pattern, trained colours, response, sensor,
 /// project.
-/// \throws FileError if it is none of these, or damaged.
+/// \throws FileError if it is not one of these, or damaged.
 [[nodiscard]] Description describe_yaml(const fs::path& path);
 
 /// Describes a table (CSV) by its header.
@@ -18,11 +18,11 @@ namespace palpate::apps {
 [[nodiscard]] Description describe_csv(const fs::path& path);
 
 /// Describes a record (JSON Lines) of `palpate decode`, or of `palpate capture`.
-/// \throws FileError if it is none.
+/// \throws FileError if it is not such a record.
 [[nodiscard]] Description describe_record(const fs::path& path);
 
 /// Describes the record that `palpate run` keeps beside the results of a project.
-/// \throws FileError if it is none.
+/// \throws FileError if it is not such a record.
 [[nodiscard]] Description describe_project_record(const fs::path& path);
 
 }  // namespace palpate::apps

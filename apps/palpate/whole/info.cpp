@@ -156,7 +156,7 @@ std::string friction_in_words(const std::vector<double>& known, int without_own,
       geometry::error_statistics(known).median, without_own, bounds);
 }
 
-// How forces depend on the load and the rate, a line for each.
+// Describes how friction depends on the load, and forces on the rate, a line for each.
 std::string laws_in_words(const haptics::Model& model) {
   std::string prose;
   if (model.friction_force > 0) {
@@ -171,7 +171,7 @@ std::string laws_in_words(const haptics::Model& model) {
   return prose;
 }
 
-// Of the acquisition that a model was fitted to, a line for each.
+// Describes the acquisition to which a model was fitted, a line for each fact.
 std::string samples_in_words(const haptics::Model& model) {
   std::string prose;
   if (model.samples_fingerprint)
@@ -252,7 +252,7 @@ Description describe_model(const fs::path& path) {
           prose};
 }
 
-/// What a folder of range maps and images holds; not what it does not.
+/// Describes the content of a folder of range maps and images; kinds that are missing are omitted.
 std::string folder_in_words(long maps, long sigmas, long reasons, long depth_images, long images) {
   std::vector<std::string> words;
   if (maps + sigmas + reasons > 0) {

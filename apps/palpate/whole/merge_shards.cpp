@@ -33,7 +33,7 @@ ShardCall call_in(const fs::path& folder) {
 
 void merge_shards(const Settings& settings, const MergeShardsCall& merge) {
   const ShardCall call = call_in(merge.folder);
-  // Shards may go on, runs that are none may not, and two merges follow each other.
+  // Shards may run meanwhile, other runs may not, and two merges run one after the other.
   const FolderLock folder(merge.folder, FolderLock::With::others);
   const FolderLock journals(call_file(merge.folder).parent_path());
   if (call.command == "decode") return merge_decode_shards(settings, call, merge.options);

@@ -34,13 +34,13 @@
 namespace palpate::apps {
 namespace {
 
-// [mm] Places at which contacts may be: closer ones, in radii of the tip, tell nothing new.
+// Smallest spacing of contacts, in radii of the tip: closer ones give no new information.
 constexpr double kLeastSpacing = 1;
 // Distances in space are rounded down by this factor.
 constexpr double kRoundedDown = 0.99;
 // An arm takes days for more.
 constexpr int kMostContacts = 1000;
-// With fewer contacts, a model tells less about errors with more of them (docs/plan.md).
+// With fewer contacts, a model predicts errors with more contacts less well (docs/plan.md).
 constexpr std::size_t kEnoughContacts = 40;
 // Share of the surface that is turned away from the sensor, above which there is a warning.
 constexpr double kMuchOfTheSurface = 0.1;
@@ -55,15 +55,15 @@ struct PlanSceneCall {
   probing::PlanOptions places;
 };
 
-/// An object of the scene, and what is known of it.
+/// An object of the scene, and its known properties.
 struct PlannedObject {
   haptics::SceneRequirement requirement;
   haptics::Model model;
   std::vector<probing::Contact> places;
 };
 
-/// [s] that a campaign is expected to need for each contact; with the times of an earlier one, if
-/// there is any.
+/// [s] Expected time of a campaign for each contact; from the times of an earlier one, if there is
+/// one.
 double contact_time(const probing::ContactPlan& plan, const fs::path& acquisition) {
   const probing::CampaignProgress expected = probing::Campaign(plan, {}).progress();
   const auto contacts = static_cast<double>(plan.contacts.size());

@@ -13,7 +13,7 @@
 namespace palpate::apps {
 namespace {
 
-// A text of YAML in double quotes, which JSON's are.
+// Returns a path as a YAML string in double quotes, in the form of JSON.
 std::string in_quotes(const fs::path& path) { return nlohmann::json(path.string()).dump(); }
 
 // Options of `probe plan` that differ from the usual ones, without those that the plan chose.

@@ -11,7 +11,7 @@
 
 namespace palpate::apps {
 
-/// What a project is made of.
+/// The input from which a project is made.
 struct ProjectSource {
   fs::path project, scene;      ///< the file to write, and that with the requirements
   fs::path surface;             ///< of the object
@@ -20,13 +20,13 @@ struct ProjectSource {
   double spacing = 0;           ///< [mm] smallest distance of the contacts that are planned
 };
 
-/// A project file (docs/projects.md) with the settings that a plan chose, and a comment at each
-/// that says why. Paths are made relative to its folder. Empty if nothing has to be done.
+/// Returns a project file (docs/projects.md) with the settings that a plan chose, each with a
+/// comment that gives the reason. Paths are relative to its folder. Empty if nothing is to be done.
 [[nodiscard]] std::string project_of(const ProjectSource& source,
                                      const haptics::SceneRequirement& requirement,
                                      const haptics::ObjectPlan& plan);
 
-/// "Decided by the allowed error of 0.1 N.": what decides the number of contacts.
+/// "Decided by the allowed error of 0.1 N.": the reason for the number of contacts.
 [[nodiscard]] std::string decided_by(const haptics::ObjectPlan& plan);
 
 }  // namespace palpate::apps

@@ -68,7 +68,7 @@ ProjectRecord::ProjectRecord(fs::path file) : file_(std::move(file)) {
     for (const auto& [step, record] : json.at("steps").items()) steps_[step] = to_record(record);
   } catch (const FileError&) {
     throw;
-  } catch (const std::exception& error) {  // of JSON, or a state that is none
+  } catch (const std::exception& error) {  // of JSON, or an unknown state
     throw FileError(fmt::format(
         "{}: is not a record of palpate run ({}). Without it nothing is known of the results "
         "beside it: to start again, move this file and the results elsewhere.",

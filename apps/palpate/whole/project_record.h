@@ -17,37 +17,37 @@ constexpr const char* kProjectRecordEnding = ".run";
 /// The content of files, by their paths.
 using Fingerprints = std::map<std::string, std::string>;
 
-/// How far a step is.
+/// The progress of a step.
 enum class StepState {
-  begun,   ///< and killed, if it is not at work
-  failed,  ///< or interrupted: what it has written is known
+  begun,   ///< or killed, if it is not running
+  failed,  ///< or interrupted: its outputs are known
   done,
 };
 
-/// What `palpate run` knows of a step that it has done, or has begun.
+/// The record of `palpate run` of a step that it has done, or has begun.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct StepRecord {
   StepState state = StepState::begun;
   std::string version = {};              ///< of palpate
   nlohmann::json entries = {};           ///< as in `StepCall`
   Fingerprints inputs = {};              ///< before it began
-  std::vector<std::string> writes = {};  ///< the files and folders that it was to write
-  Fingerprints outputs = {};             ///< what it has written; empty while it is at work
+  std::vector<std::string> writes = {};  ///< the files and folders that it should write
+  Fingerprints outputs = {};             ///< written files; empty while it runs
   double seconds = 0;
   Json figures = Json::object();
 };
 
-/// What `palpate run` knows of all steps of a project: a JSON file beside its results.
+/// The record of `palpate run` of all steps of a project: a JSON file beside its results.
 class ProjectRecord {
  public:
   /// Reads the file if it is there.
   /// \throws FileError if it is not such a record.
   explicit ProjectRecord(fs::path file);
 
-  /// Null if the step was never begun.
+  /// Returns null if the step was never begun.
   [[nodiscard]] const StepRecord* find(const std::string& step) const;
 
-  /// Replaces what is known of a step, and writes the file.
+  /// Replaces the record of a step, and writes the file.
   /// \throws OutputError if it cannot be written.
   void put(const std::string& step, StepRecord record);
 

@@ -134,7 +134,7 @@ void trade(const Settings& settings, TradeCall call) {
     throw InvalidInput("--surface: is allowed only for an acquisition");
   if (data.kind == mesh && !(data.queries.empty() && data.trajectory.empty()))
     throw InvalidInput("--queries, --trajectory: are allowed only for an acquisition or a model");
-  // Wrong files are found before anything is done.
+  // Detects wrong files before any work is done.
   if (!data.queries.empty()) static_cast<void>(haptics::read_queries(data.queries));
   if (!data.trajectory.empty()) static_cast<void>(haptics::read_trajectory_file(data.trajectory));
   if (data.kind == model) static_cast<void>(haptics::read_model(data.file));

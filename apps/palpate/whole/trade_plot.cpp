@@ -17,11 +17,11 @@ namespace {
 // [px] of the picture, and of its margins.
 constexpr double kWidth = 720, kHeight = 420, kLeft = 80, kRight = 20, kTop = 20, kBottom = 60;
 
-// Errors that differ by less, relative to them, are the same.
+// Errors with a smaller relative difference are the same.
 constexpr double kSame = 0.01;
 
-// A number with at most three digits that is at least `value` and easy to read: 1, 2 or 5 times a
-// power of ten.
+// Returns the smallest number >= `value` that is 1, 2 or 5 times a power of ten, which is easy to
+// read.
 double round_up(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
   for (const double digit : {1.0, 2.0, 5.0})

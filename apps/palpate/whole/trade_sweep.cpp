@@ -34,8 +34,8 @@ const std::vector<Words> kFits{{},
                                {"--passive", "local"},
                                {"--blend", "forces"},
                                {"--blend", "compliances"}};
-// Errors of reduced models, relative to the one that the full model states, or without it to the
-// force.
+// Errors of reduced models, relative to the one that the full model states, or to the force if it
+// states none.
 constexpr std::array<double, 5> kErrors{1.15, 1.5, 2, 3, 5}, kShares{0.02, 0.05, 0.1, 0.2, 0.4};
 // Tolerances of meshes, relative to their size.
 constexpr std::array<double, 8> kTolerances{1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2};
@@ -60,7 +60,7 @@ class Quieted {
   spdlog::level::level_enum level_ = spdlog::get_level();
 };
 
-/// Does the calls of a sweep, in a folder for their results.
+/// Runs the commands of a sweep, in a folder for their results.
 class Sweep {
  public:
   Sweep(const TradeData& data, fs::path folder, const std::function<void(const Trade&)>& told)
@@ -68,8 +68,8 @@ class Sweep {
 
   [[nodiscard]] fs::path result(const std::string& name) const { return folder_ / name; }
 
-  // Does a command, and adds its point.
-  // \return its figures; nothing if it failed, which becomes a failure of the trade.
+  // Runs a command, and adds its point.
+  // \return its figures; nullopt if it failed, which becomes a failure of the trade.
   std::optional<Json> add(Trade& trade, const Words& command, const Words& settings,
                           const fs::path& result,
                           const std::function<double(const Json& figures)>& error) {
@@ -80,7 +80,7 @@ class Sweep {
     words.insert(words.end(), {"-o", result.string()});
     spdlog::info("palpate {}", fmt::join(words, " "));
     try {
-      // The data are the same each time: what is wrong with them is said once.
+      // The data are the same each time: their faults are reported once.
       std::optional<Quieted> quieted;
       if (!settings.empty()) quieted.emplace();
       const auto start = std::chrono::steady_clock::now();

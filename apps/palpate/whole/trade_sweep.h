@@ -11,7 +11,7 @@
 
 namespace palpate::apps {
 
-/// Data whose settings are tried. Empty paths stand for what is not given.
+/// Data whose settings are tried. Empty paths stand for data that are not given.
 struct TradeData {
   enum class Kind { acquisition, model, mesh };
   Kind kind = Kind::mesh;
@@ -19,7 +19,7 @@ struct TradeData {
   std::optional<int> strokes = {};  ///< of `reduce`
 };
 
-/// What one setting gives and costs.
+/// The error and the costs of one setting.
 struct TradePoint {
   std::string settings;  ///< the command without its files
   double error = 0;
@@ -29,18 +29,18 @@ struct TradePoint {
   bool best_by_size = false, best_by_time = false;
 };
 
-/// The points of a sweep, and what their errors are.
+/// The points of a sweep, and the name and unit of their errors.
 struct Trade {
   std::string error, unit;
   std::vector<TradePoint> points;
   std::vector<std::string> failures;
 };
 
-/// Calls the commands for some data with many settings, one after the other. Settings that give the
-/// same as earlier ones make no point.
-/// \param work an empty folder for what they write.
-/// \param told called with each point when it is there.
-/// \throws InvalidInput if `fit` with its defaults fails, or whatever is tried.
+/// Calls the commands for some data with many settings, one after the other. Settings with the same
+/// result as earlier ones make no point.
+/// \param work an empty folder for the outputs.
+/// \param told called after each new point.
+/// \throws InvalidInput if `fit` with its defaults fails, or all settings fail.
 [[nodiscard]] Trade try_settings(const TradeData& data, const fs::path& work,
                                  const std::function<void(const Trade& trade)>& told);
 

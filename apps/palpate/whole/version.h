@@ -6,8 +6,8 @@
 
 namespace palpate::apps {
 
-/// What `palpate --version` prints: version, commit, licence, compiler and libraries of this
-/// program; "+" behind the commit tells that files were changed.
+/// Returns the output of `palpate --version`: version, commit, licence, compiler and libraries of
+/// this program; "+" after the commit means that files were changed.
 [[nodiscard]] std::string version_text(bool json);
 
 }  // namespace palpate::apps
