@@ -22,12 +22,12 @@
 namespace palpate::sensing {
 namespace {
 
-/// Side of the tiles that surfaces are divided into: this part of a period, at least kLeastTile
+/// Side of the tiles into which surfaces are divided: this part of a period, at least kLeastTile
 /// [px].
 constexpr double kTilePart = 1.0 / 8;
 constexpr long kLeastTile = 4;
-/// Largest distance of an anchor from the region that takes it, as part of a period. So far, the
-/// phase of one surface changes by less than the half turn that rounding it bears.
+/// Largest distance of an anchor from the region that takes it, as part of a period. Over this
+/// distance, the phase of one surface changes by less than half a turn, so it is rounded correctly.
 constexpr double kAnchorReach = 1.0 / 4;
 
 /// The phases at the anchors, at the nearest pixels of regions; `edge` is the number of the anchor.
@@ -118,7 +118,7 @@ void cut_at_steps(const DecoderGeometry& whole, const DemodulationFilter& filter
                       .wrapped = work.wrapped,
                       .variance = work.variance},
                      filter, options.max_phase_variance, doubt);
-  // A piece below the square of a period is smaller than the window that its phase comes from.
+  // A piece below the square of a period is smaller than the window of its phase.
   const double period = filter.period();
   cut_into_pieces(doubt, std::max(kLeastTile, std::lround(period * kTilePart)),
                   std::lround(period * period), work.variance);

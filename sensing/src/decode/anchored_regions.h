@@ -9,8 +9,8 @@
 
 namespace palpate::sensing {
 
-/// Cuts the image where, without stripes, nothing but the doubt about the phase tells that two
-/// surfaces meet, so that regions end there.
+/// Cuts the image where, without stripes, only the uncertainty of the phase shows that two surfaces
+/// meet, so that regions end there.
 /// \param work of a frame whose regions have not been grown yet.
 void cut_at_steps(const DecoderGeometry& whole, const DemodulationFilter& filter,
                   const DecodeOptions& options, Workspace& work);

@@ -11,7 +11,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// A colour is evidence for a patch iff it covers at least this share of the patch's pixels that
+/// A colour is evidence for a patch if it covers at least this share of the patch's pixels that
 /// are well inside a stripe; a smaller share may be a stripe edge displaced by blur.
 constexpr double kLeastEvidenceShare = 0.05;
 
@@ -60,7 +60,7 @@ class Patches {
   std::vector<std::size_t> parent_;
 };
 
-/// How many pixels of a patch say each of the things that ColorSays can be.
+/// Number of pixels of a patch for each value of ColorSays.
 using Counts = std::array<int, 256>;
 
 bool is_proven(const Counts& counts, int colors) {
@@ -96,7 +96,7 @@ void find_unproven_patches(const Plane& z, const ColorSays& says, int colors, Ma
   for (auto first = order.begin(); first != order.end();) {
     const auto last = std::find_if(first, order.end(),
                                    [&](const auto& other) { return other.first != first->first; });
-    // Neighbours mostly say the same; two tables, or each count would wait for the one before.
+    // Neighbours mostly have the same value; with one table, each count would wait for the last.
     std::array<Counts, 2> counts{};
     for (auto at = first; at != last; ++at) {
       const Run& run = runs[at->second];

@@ -53,8 +53,8 @@ constexpr double kSteepestPhase = 0.2;
 constexpr double kMisfit = 0.15;
 /// Reach of blur beyond the edge of a surface [px].
 constexpr int kBlurRadius = 2;
-/// Half-widths of the squares in which colours are checked [px]: one that contains more than one
-/// stripe, and one so small that the surroundings of a narrow part of a surface do not outvote it.
+/// Half-widths of the squares in which colours are checked [px]: one with more than one stripe, and
+/// one small enough that the surroundings of a narrow part of a surface do not outvote it.
 constexpr std::array<long, 2> kNearby{16, 6};
 /// Half the width of a trough of the sinusoid, including its flanks [px].
 int trough_radius(const Carrier& carrier) { return (static_cast<int>(carrier.period()) + 1) / 2; }
@@ -129,7 +129,7 @@ struct Decoder::Impl {
   DecoderGeometry model;    ///< of the decoded image
   RigDeviation rig_deviation;
   DemodulationFilter filter;
-  std::optional<Stripes> stripes;  ///< iff the pattern has any
+  std::optional<Stripes> stripes;  ///< if the pattern has any
   mutable Pool<Workspace> workspaces;
 };
 
@@ -174,7 +174,7 @@ void Decoder::Impl::find_guesses(Workspace& work) const {
   work.model(model).phases_at_edges(work.transitions, work.guesses);
 }
 
-/// Finds the part of the frame that is lit, with a margin in which windows and anchors reach it.
+/// Finds the lit part of the frame, with a margin in which windows and anchors reach it.
 void Decoder::Impl::find_part(const cv::Mat& frame, Workspace& work) const {
   if (options.half_resolution) {
     split_frame(frame, model.carrier().transposed, work.full_size);
@@ -208,7 +208,7 @@ void Decoder::Impl::demodulate_part(Workspace& work) const {
   combine_channels(work.demodulated.channels, work.model(model).chromatic(), work.combined);
 }
 
-/// Finds where there is enough light, and the sinusoid is strong enough for the noise.
+/// Finds the pixels with enough light, and a sinusoid that is strong enough for the noise.
 void Decoder::Impl::judge_light(Workspace& work) const {
   find_modulated(work.combined, work.lit, options.min_modulation, work.modulated);
   find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);

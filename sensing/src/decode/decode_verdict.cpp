@@ -13,60 +13,60 @@
 namespace palpate::sensing {
 namespace {
 
-/// Fewer stripe edges than these decide nothing: chains of a few misread ones, as on a small
-/// coloured object, would.
+/// With fewer stripe edges than this, nothing is decided: chains of a few misread edges, as on a
+/// small coloured object, would decide.
 constexpr long kLeastEdges = 60;
 constexpr long kLeastStripeEdges = 4;
-/// Fewer pixels with a sinusoid than this decide nothing about hues and rows.
+/// With fewer pixels with a sinusoid than this, nothing is decided about hues and rows.
 constexpr long kLeastHues = 500;
 
-/// Stripes and sinusoid agree iff the mean of cos(2 pi d) is at least this: 1 is perfect, 0 is
+/// Stripes and sinusoid agree if the mean of cos(2 pi d) is at least this: 1 is perfect, 0 is
 /// chance.
 constexpr double kLeastAgreement = 0.45;
-/// An explanation is likely iff it brings the agreement to at least this, and to more than a shift
-/// that is everywhere alike would.
+/// An explanation is likely if it brings the agreement to at least this, and to more than a uniform
+/// shift would.
 constexpr double kLikely = 0.65;
 /// More than this share of the edges in steady parts of the frame must not be displaced.
 constexpr double kMostDisplaced = 0.5;
 
 /// On coloured surfaces parts of the frame are displaced with the right rig too, so they make a
-/// frame that agrees as a whole wrong iff at least this share of the hues are trained ones.
+/// frame that agrees as a whole wrong only if at least this share of the hues are trained ones.
 constexpr double kLeastTrainedParts = 0.6;
-/// Successive bands of rows do not fit iff more than kMostDisplaced of their edges are displaced,
-/// and at least this share of the frame's edges is theirs. A lens whose colours part displaces
-/// fewer at the border of the image.
+/// Successive bands of rows do not fit if more than kMostDisplaced of their edges are displaced,
+/// and they have at least this share of the frame's edges. A lens with lateral chromatic aberration
+/// displaces fewer at the border of the image.
 constexpr double kLeastTorn = 0.2;
-/// The other rows fit iff less than this share of their edges is displaced, and they have at least
+/// The other rows fit if less than this share of their edges is displaced, and they have at least
 /// this share of all: a wrong rig fits along a line.
 constexpr double kFewDisplaced = 0.2;
 constexpr double kLeastOthers = 1.0 / 3;
 
 /// The shift must not change by more than this [px] from one deviation of the disparity below its
-/// mean to one above: twice what blur and the colours of a lens make of it.
+/// mean to one above: twice the effect of blur and of the colours of a lens.
 constexpr double kMostTrend = 0.35;
 /// Beyond this slope [px/px], it is the noise of the depths that changes the shift.
 constexpr double kSteepestTrend = 0.5;
 
-/// A surface is coloured iff one channel returns this many times the light of another.
+/// A surface is coloured if one channel returns this many times the light of another.
 constexpr double kColored = 3.5;
-/// The colours are those that were trained iff at least this share of the pixels has their hues.
+/// The colours are those that were trained if at least this share of the pixels has their hues.
 constexpr double kLeastTrainedHues = 0.3;
 
-/// The sinusoid is missing iff less than this share of the lit pixels shows it.
+/// The sinusoid is missing if less than this share of the lit pixels shows it.
 constexpr double kLeastSinusoid = 0.2;
-/// It runs the other way iff at least this share shows it there.
+/// The sinusoid runs across its expected axis if at least this share shows it there.
 constexpr double kMostAcross = 0.4;
 
-/// Squared steps of brightness within pairs of rows and between the pairs are alike up to this
-/// factor.
+/// Squared steps of brightness within pairs of rows and between the pairs count as equal up to
+/// this factor.
 constexpr double kUnlikeSteps = 2.5;
 
-/// The shift is everywhere alike iff the mean of exp(2 pi i d) is at least this long, and smooth
-/// iff the mean of cos(2 pi difference of d) between neighbouring stripe edges is at least this.
+/// The shift is uniform if the mean of exp(2 pi i d) is at least this long, and smooth if the mean
+/// of cos(2 pi difference of d) between neighbouring stripe edges is at least this.
 constexpr double kAlike = 0.8;
 constexpr double kSmooth = 0.7;
 
-/// `part` of `all`; 0 of nothing.
+/// `part` as a share of `all`; 0 if `all` is 0.
 double share(double part, long all) { return part / static_cast<double>(std::max(all, 1L)); }
 double share(long part, long all) { return share(static_cast<double>(part), all); }
 
@@ -74,7 +74,7 @@ long sum(const std::array<long, kRowBands>& bands) {
   return std::accumulate(bands.begin(), bands.end(), 0L);
 }
 
-/// What a swap in the trained colours, or in the frames, would look like.
+/// The judgement for swapped channels in the trained colours, or in the frames.
 DecodeJudgement swapped(const char* channels, const DecodeEvidence& evidence, double agreement) {
   return {
       DecodeVerdict::wrong_channels,
@@ -122,7 +122,7 @@ DecodeJudgement explanation_of(const DecodeEvidence& evidence, FrameExplanation 
   return {};
 }
 
-/// Agreement if the sinusoid were shifted everywhere alike.
+/// Agreement if the sinusoid were shifted uniformly.
 double agreement_of_shift(const DecodeEvidence& evidence) {
   return share(std::hypot(evidence.agreement, evidence.shift), evidence.edges);
 }
@@ -142,7 +142,7 @@ struct Bands {
   int last = 0;
 };
 
-/// The bands in which most edges are displaced, if there are enough to tell.
+/// The bands in which most edges are displaced, if there are enough for a decision.
 std::optional<Bands> displaced_bands(const DecodeEvidence& evidence) {
   const double least =
       std::max<double>(kLeastEdges, kLeastTorn * static_cast<double>(sum(evidence.steady_edges)));
@@ -162,7 +162,7 @@ std::optional<Bands> displaced_bands(const DecodeEvidence& evidence) {
   return found;
 }
 
-/// Whether the frame fits outside these bands.
+/// Returns true if the frame fits outside these bands.
 bool others_fit(const DecodeEvidence& evidence, const Bands& bands) {
   long steady = 0, displaced = 0;
   for (int band = 0; band < kRowBands; ++band) {
@@ -184,7 +184,7 @@ DecodeJudgement torn(const DecodeEvidence& evidence, const Bands& bands) {
               bands.first * evidence.rows / kRowBands, bands.last * evidence.rows / kRowBands - 1)};
 }
 
-/// What makes the phases differ if no simple exchange does.
+/// Judges the cause of different phases if no simple exchange explains them.
 DecodeJudgement judge_shift(const DecodeEvidence& evidence) {
   const auto bands = displaced_bands(evidence);
   if (bands && others_fit(evidence, *bands)) return torn(evidence, *bands);
@@ -209,7 +209,7 @@ DecodeJudgement judge_shift(const DecodeEvidence& evidence) {
           "another projector, or the trained colours to another camera"};
 }
 
-/// How much the shift of the edges against the sinusoid changes between near and far parts [px].
+/// Change of the shift of the edges against the sinusoid between near and far parts [px].
 double change_with_depth(const DepthTrend& trend) {
   if (trend.edges < kLeastEdges) return 0;
   const auto edges = static_cast<double>(trend.edges);
@@ -229,7 +229,7 @@ DecodeJudgement wrong_depths(double change) {
                   change)};
 }
 
-/// Whether rows are exchanged or doubled, as in interlaced video.
+/// Returns true if rows are exchanged or doubled, as in interlaced video.
 bool has_wrong_rows(const DecodeEvidence& evidence) {
   const double in = evidence.steps_in_pairs, between = evidence.steps_between_pairs;
   return in > kUnlikeSteps * between || between > kUnlikeSteps * in;

@@ -136,7 +136,7 @@ std::optional<double> DecoderGeometry::phase_at_depth(long row, long column, dou
 
 void DecoderGeometry::find_other_pixels(int axis, const std::vector<AxisPixel>& places,
                                         std::vector<float>& pixels) const {
-  // The same computation as for the depths of a row; a "row" is some places.
+  // The same computation as for the depths of a row; here a "row" is a list of places.
   SurfaceConstants constants = surface_constants(rig_, axis, 1);
   constants.max_sensitivity = std::numeric_limits<float>::infinity();
   const Plane& rays_along = axis == axis_ ? rays_.along : rays_.across;

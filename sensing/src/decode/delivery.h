@@ -6,7 +6,7 @@
 
 namespace palpate::sensing {
 
-/// Finds the reasons of the whole working image as if nothing of it had been decoded.
+/// Finds the reasons of the whole working image as if no part of it had been decoded.
 void find_reasons_around(Workspace& work);
 
 /// Writes an image of the part into the result's image of the frame. If the part is all of it, they

@@ -22,36 +22,36 @@ constexpr long kHueLines = 40;
 /// Distance from an edge at which its sides have their own hue [px].
 constexpr long kSide = 4;
 
-/// A hue is that of a trained colour iff it is within this number of its deviations.
+/// A hue is that of a trained colour if it is within this number of its deviations.
 constexpr double kReach = 3;
 
-/// The colours of a pattern are closer than this to each other's channels exchanged, or the
-/// exchange explains nothing (distance of red, green and blue).
+/// An exchange of channels explains something only if it takes the colours of a pattern closer
+/// than this to colours of the pattern (distance of red, green and blue).
 constexpr double kSameColor = 0.2;
 
-/// Trained hues fit the pattern iff their mean cosine with its own hues is at least this: 45
+/// Trained hues fit the pattern if their mean cosine with its own hues is at least this: 45
 /// degrees.
 constexpr double kFittingHues = 0.7;
 
-/// In a part of the frame, of which there are kRowBands x kPartColumns, d is about the same iff the
-/// mean of exp(2 pi i d) is at least kSteady long; with fewer than kLeastInPart edges that says
-/// nothing.
+/// In a part of the frame, of which there are kRowBands x kPartColumns, d is about the same if the
+/// mean of exp(2 pi i d) is at least kSteady long; with fewer than kLeastInPart edges that is no
+/// evidence.
 constexpr long kPartColumns = 4;
 constexpr double kSteady = 0.6;
 constexpr long kLeastInPart = 8;
-/// Stripe edges are displaced by more than this [px] on average neither by blur nor by lenses whose
-/// colours part.
+/// Blur and lateral chromatic aberration of lenses displace stripe edges by at most this [px] on
+/// average.
 constexpr double kDisplaced = 0.35;
 
-/// Periods off beyond which an edge says nothing of a trend: it was misread, or a whole period is
-/// as likely.
+/// Difference in periods above which an edge is no evidence of a trend: it was misread, or a whole
+/// period is as likely.
 constexpr double kTrendTurns = 0.25;
 
-/// With fewer stripe edges than these, the sinusoid may run the other way, which takes a
-/// millisecond to see.
+/// With fewer stripe edges than this, the sinusoid may run along the other axis; this test takes a
+/// millisecond.
 constexpr long kFewEdges = 60;
 
-/// An agreement below this needs an explanation, which takes a millisecond.
+/// An agreement below this needs an explanation; finding it takes a millisecond.
 constexpr double kNeedsExplanation = 0.6;
 
 using Recolor = Eigen::Vector3d (*)(const Eigen::Vector3d&);
@@ -108,8 +108,8 @@ struct Part {
   long edges = 0;
 };
 
-/// Periods by which the phase at an edge differs from the measured one; the whole ones do not
-/// count.
+/// Difference of the phase at an edge from the measured one, in periods, without whole
+/// periods.
 double turns_apart(const Regions& regions, const PhaseGuess& guess) {
   return (guess.phase - static_cast<double>(regions.phase(guess.row, guess.column))) / kFullTurn;
 }
@@ -227,7 +227,7 @@ std::vector<EvidenceFinder::Comparison> EvidenceFinder::compared(
     if (second.row != first.row || second.column != first.column + 1 || second.edge != first.edge) {
       continue;
     }
-    // Both lists have the same order; the guesses lack some.
+    // Both lists have the same order; some edges have no guess.
     while (edge->row != first.row || static_cast<int>(edge->column) != first.column) ++edge;
     const double share = static_cast<double>(edge->column) - first.column;
     comparisons.push_back({.row = first.row,
@@ -247,7 +247,7 @@ void EvidenceFinder::compare(const std::vector<Transition>& edges, const Workspa
   evidence.off_panel = static_cast<long>(edges.size() - comparisons.size());
   std::set<int> different;
   std::array<std::array<Part, kPartColumns>, kRowBands> bands{};
-  // In the frame, not in the working image, because it is its rows that are lost or shifted.
+  // In the frame, not in the working image, because rows of the frame are lost or shifted.
   const bool transposed = whole.carrier().transposed;
   const long rows = transposed ? whole.columns() : whole.rows();
   const long columns = transposed ? whole.rows() : whole.columns();

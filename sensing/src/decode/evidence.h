@@ -15,14 +15,14 @@
 
 namespace palpate::sensing {
 
-/// How the depth moves stripe edges in the image.
+/// The motion of stripe edges in the image with the depth.
 struct EdgeMotion {
   double per_period = 0;  ///< [px] for a depth that changes the sinusoid by a period
   double disparity =
       0;  ///< [px mm] times the inverse depth: the distance from the edge at infinity
 };
 
-/// Collects what a decoded frame tells of its rig, pattern and colours.
+/// Collects the evidence of a decoded frame about its rig, pattern and colours.
 class EvidenceFinder {
  public:
   /// \pre the pattern has stripes, and its colours are trained.
@@ -38,9 +38,9 @@ class EvidenceFinder {
     float mean = 0;
     float reach = 0;  ///< [rad]
   };
-  /// What is to be done with a frame for which an explanation holds.
+  /// The correction of a frame for which an explanation holds.
   struct Change {
-    std::vector<int> color;  ///< the true one of each that is seen; empty if there is none
+    std::vector<int> color;  ///< the true one of each seen colour; empty if there is none
     bool exchange = false;   ///< left and right side of an edge
     bool reverse = false;    ///< the pattern's stripes
     bool mirror = false;     ///< the working image's columns
@@ -53,12 +53,12 @@ class EvidenceFinder {
     int row = 0;
     int column = 0;  ///< of the pixel before the edge
     int edge = 0;
-    double turns = 0;  ///< d, with whole periods
+    double turns = 0;  ///< d, including whole periods
   };
 
   [[nodiscard]] bool has_hue(float hue, int color) const;
   [[nodiscard]] std::vector<Transition> trusted_edges(const Workspace& work) const;
-  /// The edges where and as they would be, in the whole image.
+  /// Returns the edges after a change, at their new places in the whole image.
   [[nodiscard]] std::vector<Transition> changed(const std::vector<Transition>& edges,
                                                 const Change& change, const ImagePart& part,
                                                 const DecoderGeometry& whole) const;

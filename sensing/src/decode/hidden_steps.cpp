@@ -16,8 +16,8 @@ namespace {
 constexpr float kContinuous = 0.6F;
 /// Farthest pixel from a step that may belong to the other surface [px].
 constexpr int kFarthest = 40;
-/// Surfaces differ in brightness iff, so many pixels from the step, the strongest channels of the
-/// two differ by more than this factor, which is more than channels of one surface differ.
+/// Surfaces differ in brightness if, kBeside pixels from the step, their strongest channels differ
+/// by more than a factor that is larger than the difference of the channels of one surface.
 constexpr long kBeside = 6;
 constexpr float kOtherLight = 1.7F;
 
@@ -37,7 +37,7 @@ float largest_power(const std::vector<Demodulated>& channels, long row, long col
   return largest;
 }
 
-/// Whether the surfaces to both sides of a step, which is to the right of a pixel, differ in light.
+/// Returns true if the surfaces to both sides of a step, to the right of a pixel, differ in light.
 bool differ_in_light(const std::vector<Demodulated>& channels, long row, long column) {
   const long last = channels[0].re.cols() - 1;
   const float left = largest_power(channels, row, std::max(0L, column - kBeside));
@@ -45,7 +45,7 @@ bool differ_in_light(const std::vector<Demodulated>& channels, long row, long co
   return std::max(left, right) > kOtherLight * kOtherLight * std::min(left, right);
 }
 
-/// Whether there is a step anywhere between the pixels of a row.
+/// Returns true if there is a step anywhere between the pixels of a row.
 PALPATE_HOT_LOOP bool has_steps(const float* phase, float least, long columns) {
   int any = 0;
   for (long i = 0; i + 1 < columns; ++i) any |= std::abs(phase[i + 1] - phase[i]) > least ? 1 : 0;

@@ -15,7 +15,7 @@ namespace palpate::sensing {
 /// Marks the pixels that may belong to either of two surfaces.
 ///
 /// Two surfaces may meet where their depths differ, but their phases only by whole turns. If they
-/// are about as bright, nothing but the stripes tells where the step is. From such a step along the
+/// are about as bright, only the stripes show the place of the step. From such a step along the
 /// row, pixels are marked until the colours that the other surface would have are no longer seen.
 /// \param channels the sinusoid in each channel.
 /// \param phase [rad] absolute; NaN where unknown.

@@ -15,7 +15,7 @@ namespace {
 constexpr long kLightLines = 40;
 constexpr long kStepColumns = 20;
 
-/// Steps between rows are compared iff the mean square of the sinusoid's slope there, one at its
+/// Steps between rows are compared if the mean square of the sinusoid's slope there, one at its
 /// steepest, is at least this.
 constexpr double kLeastSlope = 0.15;
 
@@ -24,10 +24,10 @@ constexpr double kDoubled = 0.05;
 
 /// Of swapped rows, which take one step back and three ahead, the mean product of successive steps
 /// is less than this times their mean square. It is above zero at blurred edges, about -0.3 beside
-/// the rims of sharpened ones, and -0.5 of noise alone, whose steps are alike everywhere.
+/// the rims of sharpened ones, and -0.5 of noise alone, whose steps are the same everywhere.
 constexpr double kBackwards = -0.4;
 
-/// A sinusoid runs the other way iff its amplitude is at least this share of the mean.
+/// A sinusoid runs across its expected axis if its amplitude is at least this share of the mean.
 constexpr double kContrastAcross = 0.3;
 
 /// The decoded part of the frame at full size.
@@ -59,15 +59,15 @@ struct FullSize {
   long columns;
 };
 
-/// Steps of brightness from some rows to the next, in proportion to what a sinusoid of unit
-/// amplitude and the measured phase makes of them. A period of four pixels would otherwise show the
-/// same at every other step.
+/// Steps of brightness from some rows to the next, relative to those of a sinusoid of unit
+/// amplitude and the measured phase. With a period of four pixels every other step would otherwise
+/// be the same.
 struct RowSteps {
   double squares = 0;
   double expected = 0;
   long count = 0;
 
-  /// Mean square of the steps; none if the sinusoid is level there.
+  /// Mean square of the steps; nullopt if the sinusoid is level there.
   [[nodiscard]] std::optional<double> mean() const {
     if (expected < kLeastSlope * static_cast<double>(count) || count == 0) return std::nullopt;
     return squares / expected;

@@ -10,7 +10,7 @@
 
 namespace palpate::sensing {
 
-/// Step between the lines of `all` of which about `wanted` are looked at.
+/// Step between the lines of `all` of which about `wanted` are examined.
 [[nodiscard]] inline long step_for(long all, long wanted) { return std::max(1L, all / wanted); }
 
 /// Adds the light of the channels.

@@ -23,16 +23,16 @@
 namespace palpate::sensing {
 namespace {
 
-/// Two neighbours lie on different surfaces iff the phase between them differs from the carrier by
+/// Two neighbours lie on different surfaces if the phase between them differs from the carrier by
 /// more than this share of the carrier: beyond a slope that squeezes two and a half periods into
 /// one ...
 constexpr double kSteepest = 1.5;
-/// ... and by more than this [rad], which noise may reach.
+/// ... and by more than this [rad], up to which noise may change it.
 constexpr double kLeastStep = 0.4;
 /// A pixel this far from such a step sees both surfaces [px].
 constexpr int kMixedPixels = 2;
 
-/// [rad] Such a step, where the carrier runs on by `along` [rad].
+/// [rad] The limit for such a step if the carrier advances by `along` [rad].
 float break_limit(double along) {
   return static_cast<float>(std::max(kSteepest * std::abs(along), kLeastStep));
 }
@@ -134,7 +134,7 @@ void drop_chance_agreements(const Plane& phase, ReasonImage& reasons) {
 }
 
 /// Jumps by whole turns from row to row beyond those that steps of the surface make by chance, per
-/// turn that the phase runs on.
+/// turn by which the phase advances.
 /// \param phase minus the carrier [rad], NaN where unknown
 /// \param along [rad] of the carrier from row to row
 double jumps_per_turn(const Plane& phase, double along) {
@@ -151,7 +151,7 @@ double jumps_per_turn(const Plane& phase, double along) {
   return std::max(0.0, jumps - by_chance) / (pairs * std::abs(along) / kFullTurn);
 }
 
-/// Mean of the sinusoids of the first exposure where there is a depth.
+/// Mean of the sinusoids of the first exposure at pixels with a depth.
 cv::Mat mean_color(std::span<const cv::Mat> sinusoids, const Plane& z) {
   cv::Mat sum(sinusoids[0].size(), CV_MAKETYPE(CV_32F, sinusoids[0].channels()), cv::Scalar());
   for (const cv::Mat& image : sinusoids) cv::add(sum, image, sum, cv::noArray(), CV_32F);

@@ -12,8 +12,8 @@ namespace {
 
 /// A bit this near to its threshold, relative to the sinusoid's amplitude, may be at its edge.
 constexpr float kUncertainBit = 0.5F;
-/// Share of a period by which a phase may lie beyond its cell. Of the pixels with a misread bit, as
-/// many agree by chance as this is in half a period.
+/// Share of a period by which a phase may lie beyond its cell. Its ratio to half a period is the
+/// share of the pixels with a misread bit that agree by chance.
 constexpr double kBeyondCell = 1.0 / 64;
 
 }  // namespace

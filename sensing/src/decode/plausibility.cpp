@@ -14,8 +14,8 @@ PALPATE_HOT_LOOP void keep_common(std::uint8_t* values, const std::uint8_t* othe
   for (long i = 0; i < count; ++i) values[i] = values[i] & other[i];
 }
 
-/// Finds where the phase is discontinuous between each pixel and the next in its row, or the one
-/// below; returns whether it is anywhere.
+/// Finds the pixels whose phase is discontinuous to the next one in the row, or to the one below;
+/// returns true if there is any.
 PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float limit,
                                 std::uint8_t* breaks, long columns) {
   int any = 0;
@@ -52,7 +52,7 @@ PALPATE_HOT_LOOP void keep_larger(const float* values, float limit, long count,
   for (long i = 0; i < count; ++i) marked[i] = values[i] > limit ? marked[i] : 0;
 }
 
-/// Evidence of a pixel: `kCompared` if its colour says anything, and `kAgreeing` if it confirms.
+/// Evidence of a pixel: `kCompared` if its colour is evidence, and `kAgreeing` if it confirms.
 constexpr std::uint32_t kCompared = 1;
 constexpr std::uint32_t kAgreeing = 1 << 16;
 

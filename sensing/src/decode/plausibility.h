@@ -11,11 +11,11 @@
 namespace palpate::sensing {
 
 /// Erodes a mask: keeps the pixels for which all others within `radius` rows and columns belong to
-/// it; the image's border does not erode. This removes the places to which blur carries light
-/// beyond the edge of a surface.
+/// it; the image's border does not erode. This removes the pixels that blur lights beyond the edge
+/// of a surface.
 void erode(const Mask& mask, int radius, Mask& inner);
 
-/// Adds to a mask the gaps of at most `width` pixels in its rows across which a surface goes on:
+/// Adds to a mask the gaps of at most `width` pixels in its rows across which a surface continues:
 /// the phases beside the gap are known, and differ by at most `max_step` [rad]. In little light,
 /// the edges between stripes are such gaps.
 void bridge_gaps(const Mask& mask, const Plane& phase, long width, double max_step, Mask& bridged);
@@ -31,7 +31,7 @@ struct Reach {
 void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& marked);
 
 /// Two pixels with a phase, at most `gap` apart in a row or a column and with none in between, lie
-/// on different surfaces iff their phases differ by more than step + slope * distance [rad].
+/// on different surfaces if their phases differ by more than step + slope * distance [rad].
 struct StepLimits {
   double step = 0;   ///< [rad]
   double slope = 0;  ///< [rad/px]
@@ -46,7 +46,7 @@ void keep_above(const Plane& values, double limit, Mask& marked);
 /// Maps a projector pixel well inside a stripe to the stripe's colour.
 class StripeColors {
  public:
-  /// A pixel is well inside a stripe iff it is this far from its edges [projector px]: farther than
+  /// A pixel is well inside a stripe if it is this far from its edges [projector px]: farther than
   /// the blur of camera and projector and the lateral shift of their colour channels.
   static constexpr double kEdgeMargin = 4;
 
@@ -73,8 +73,8 @@ class StripeColors {
   std::vector<int> table_;
 };
 
-/// What the colour of each pixel says of its depth: kSilent, or the index of the colour of the
-/// stripe that the depth implies there, plus kConfirms if the pixel has the hue of that colour.
+/// Evidence of each pixel's colour for its depth: kSilent, or the index of the colour of the stripe
+/// that the depth implies there, plus kConfirms if the pixel has the hue of that colour.
 using ColorSays = Mask;
 inline constexpr std::uint8_t kSilent = 255;  ///< no depth, or near the edge of a stripe
 inline constexpr std::uint8_t kConfirms = 64;
@@ -85,7 +85,7 @@ void compare_colors(const Plane& stripe_pixel, const Plane& hue, const StripeCol
                     const HueClassifier& classifier, ColorSays& says);
 
 /// Marks the pixels around which the stripe colours contradict the depths: of the pixels nearby
-/// whose colours say anything, a share below `min_agreement` confirms the depth.
+/// whose colours are evidence, a share below `min_agreement` confirms the depth.
 /// \param stripe_pixel as above; pixels where it is NaN are not marked.
 /// \param nearby half-width [px] of the square of nearby pixels.
 void find_contradictions(const Plane& stripe_pixel, const ColorSays& says, double min_agreement,

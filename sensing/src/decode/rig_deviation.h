@@ -20,12 +20,12 @@ namespace palpate::sensing {
 /// varies slowly over the image and with w, so it is tabulated there, and interpolated linearly.
 class RigDeviation {
  public:
-  /// For images of rows x columns pixels, transposed as `carrier` says.
+  /// For images of rows x columns pixels, transposed if those of `carrier` are.
   /// \throws InvalidInput if the rig has a covariance, but the projector lights nothing that the
   /// camera sees.
   RigDeviation(const Rig& rig, Axis axis, const Carrier& carrier, long rows, long columns);
 
-  /// Whether the rig has a covariance; if not, `add` must not be called.
+  /// Returns true if the rig has a covariance; if not, `add` must not be called.
   [[nodiscard]] bool is_known() const { return !table_.empty(); }
 
   /// Moves `sigma` [mm], the deviations of the depths `z` [mm] by noise, to `noise`, and sets

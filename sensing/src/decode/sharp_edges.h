@@ -12,7 +12,7 @@ namespace palpate::sensing {
 /// Standard deviation of the lens' blur [px] for which the edges of surfaces are eroded.
 inline constexpr double kEdgeBlur = 1;
 
-/// Gives back to an eroded mask the pixels beside the outermost ones that no blur has reached: an
+/// Restores in an eroded mask the pixels beside the outermost ones that no blur has reached: an
 /// ideal camera has sharp edges.
 ///
 /// At two pixels from an edge, where `erode` with that radius begins to keep pixels, a blur of 1 px

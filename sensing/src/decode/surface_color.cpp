@@ -25,19 +25,19 @@ using Gray = cv::Mat_<float>;
 
 /// Deviation of the window in which the sinusoid is fitted, in periods.
 constexpr double kFringeWindow = 1.0;
-/// Where the sinusoid's troughs are darker than this share of its mean, noise would dominate.
+/// If the sinusoid's troughs are darker than this share of its mean, noise would dominate.
 constexpr float kDarkestTrough = 0.25F;
 /// Deviations [stripes] over which a channel is interpolated, from detail to far places.
 constexpr std::array<double, 3> kFills{0.7, 3, 12};
-/// A channel counts as interpolated at a scale iff this share of the window is lit with it.
+/// A channel counts as interpolated at a scale if this share of the window is lit with it.
 constexpr float kLeastLit = 0.05F;
 /// Deviation of the blur of the camera's lens and the projector's, across an edge [camera px].
 constexpr double kEdgeBlur = 1.2;
-/// A pixel of a stripe that lacks a channel tells how much of the others leaks into it.
+/// A pixel of a stripe that lacks a channel shows the leakage of the others into it.
 constexpr float kUnlitShare = 0.02F;
 constexpr float kLitShare = 0.5F;
 
-/// What the projector sends to each camera pixel.
+/// The light of the projector at each camera pixel.
 struct LightPlaces {
   Gray known;                 ///< 1 where there is a depth, else 0
   Gray cosine, sine;          ///< of the sinusoid's angle; 0 where unknown
@@ -116,7 +116,7 @@ Gray without_fringes(const Gray& value, const LightPlaces& places) {
   const Gray v1 = blurred(seen, sigma), vc = blurred(product(seen, c), sigma);
   const Gray vs = blurred(product(seen, s), sigma);
   Gray out = seen.clone();
-  /// Below this share of the determinant of whole periods (1/4) the window does not tell.
+  /// Below this share of the determinant of whole periods (1/4) the window is not sufficient.
   constexpr float kLeastDeterminant = 0.01F;
   for (int row = 0; row < out.rows; ++row) {
     for (int column = 0; column < out.cols; ++column) {

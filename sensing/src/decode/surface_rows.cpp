@@ -15,7 +15,7 @@ constexpr auto kReconstructed = static_cast<std::int32_t>(Reason::reconstructed)
 constexpr auto kOffPanel = static_cast<std::int32_t>(Reason::off_panel);
 constexpr auto kGrazing = static_cast<std::int32_t>(Reason::grazing);
 
-/// Newton's method squares the error in each step: from 0.1, more than any lens distorts, to
+/// Newton's method squares the error in each step: from 0.1, above the distortion of any lens, to
 /// rounding.
 constexpr int kNewtonSteps = 4;
 /// Its last step must be smaller than this [normalised]: 20 times the rounding of the coordinates.

@@ -48,7 +48,7 @@ struct SurfaceRow {
 
 /// Computes the depths of a row: the ray z d of a camera pixel meets the plane of one phase through
 /// the projector's centre (Eq. 3.11 for any pose). In single precision, with relative errors of
-/// some 1e-7 times z / baseline.
+/// about 1e-7 times z / baseline.
 void find_surface(const SurfaceRow& row, const SurfaceConstants& constants);
 
 /// The same for a projector with lens distortion, where the plane is curved. Uses Newton's method

@@ -30,17 +30,17 @@ constexpr double kAgreeingHues = 0.97;
 constexpr double kTintMargin = 1.5;
 /// Widest gap that is bridged [stripes]: neighbouring stripes that a surface does not reflect.
 constexpr double kGapStripes = 3.5;
-/// How far to each side each channel is in some stripe [stripes].
+/// Distance to each side within which each channel is in some stripe [stripes].
 constexpr double kSearchedStripes = 2.5;
 
 /// Largest share of failing comparisons if the offset is right: of a group, and of each of its
 /// regions.
 constexpr double kFailingInGroup = 0.12;
 constexpr double kFailingInRegion = 0.2;
-/// Any other number of turns fails in so much more of the comparisons at least: a group whose rows
-/// all show the same few edges has many comparisons and little evidence.
+/// Any other number of turns fails in at least this larger share of the comparisons: a group whose
+/// rows all show the same few edges has many comparisons and little evidence.
 constexpr double kClearMargin = 0.05;
-/// Probability that a comparison fails where the offset is right.
+/// Probability that a comparison fails if the offset is right.
 constexpr double kFailureChance = 0.05;
 /// Likelihood ratio at which an offset is accepted.
 constexpr double kClearRatio = 1000;
@@ -52,7 +52,7 @@ struct Score {
   [[nodiscard]] double share() const { return compared > 0 ? failed / compared : 1; }
 };
 
-/// Samples of a group, and what is seen there.
+/// Samples of a group, and the channels that are seen there.
 struct SeenSamples {
   std::vector<RegionSample> samples;
   std::vector<PhaseGuess> phases;
@@ -113,7 +113,7 @@ std::optional<Candidate> best_turns(const SeenSamples& seen, const DecoderGeomet
   return best;
 }
 
-/// What the surface of a group reflects. Only from pixels whose whole window lies in their region.
+/// The reflectance of a group's surface. Only from pixels whose whole window lies in their region.
 LargestModulation largest_modulation(const Regions& regions, const JoinedRegions& joined,
                                      const RegionGroup& group,
                                      const std::vector<Demodulated>& channels, const Reach& window,
@@ -198,7 +198,7 @@ std::vector<std::uint8_t> TintedSurfaces::open_regions(
     const Plane& hue, const HueClassifier& classifier, const StripeColors& stripes,
     const DecoderGeometry& model, const Regions& regions, const std::vector<RegionOffset>& offsets,
     const std::vector<long>& sizes) const {
-  // Whether the hues contradict the offset of a region.
+  // Decides if the hues contradict the offset of a region.
   std::vector<PhaseGuess> places;
   std::vector<int> labels;
   for (long row = kHueSpacing / 2; row < hue.rows(); row += kHueSpacing) {

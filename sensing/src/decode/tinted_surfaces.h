@@ -16,8 +16,8 @@
 namespace palpate::sensing {
 
 /// Offsets of regions on surfaces that have a colour of their own. Such a surface changes the hues
-/// of the stripes or, if it reflects a single channel, leaves only light and dark ones. What stays
-/// is which channels each stripe lights, relative to the most that the surface reflects of each.
+/// of the stripes or, if it reflects a single channel, leaves only light and dark ones. The set of
+/// channels that a stripe lights, relative to the most that the surface reflects of each, stays.
 ///
 /// Regions without an offset, and those whose hues contradict their offset, are joined across dark
 /// stripes where their phases continue each other. For each number of turns that keeps a group on
@@ -26,14 +26,14 @@ class TintedSurfaces {
  public:
   TintedSurfaces(const DecoderGeometry& model, const HueClassifier& classifier);
 
-  /// What is seen of the pixels of a region solved here: bit c of `lit` is set if channel c (green,
+  /// Channels seen at pixels of regions solved here: bit c of `lit` is set if channel c (green,
   /// red, blue) is lit, and bit c of `known` if the surface reflects it. Zero elsewhere.
   struct Seen {
     Mask lit;
     Mask known;
     Mask single;  ///< 1 where the surface reflects hardly more than one channel, and stripes look
                   ///< alike
-    bool any = false;  ///< whether any region was solved; the masks are empty if not
+    bool any = false;  ///< true if any region was solved; the masks are empty if not
   };
 
   /// Solves regions; an offset is kept unless the comparison gives another one clearly: any

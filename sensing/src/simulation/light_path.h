@@ -12,7 +12,7 @@ namespace palpate::sensing {
 struct Illumination {
   bool covered = false;            ///< the place lies in the projector's image (green)
   bool lit = false;                ///< covered, and nothing blocks the light
-  Eigen::Vector2d pixel{0, 0};     ///< px of the panel (green); valid iff covered
+  Eigen::Vector2d pixel{0, 0};     ///< px of the panel (green); valid if covered
   double diffuse = 0;              ///< light reflected by a white diffuse surface; 0 unless lit
   double highlight = 0;            ///< light of the specular highlight; 0 unless lit
   double projector_incidence = 0;  ///< [rad] angle of the normal to the light

@@ -33,7 +33,7 @@ cv::Mat panel_light(const cv::Mat& image, const geometry::Camera& projector,
     float last = -1;  // no value of an image
     for (int i = 0; i < 3 * image.cols; ++i) {
       const float value = from[channels == 1 ? i / 3 : i];
-      if (value == last) {  // in most panels of a sequence, and a power takes long
+      if (value == last) {  // frequent in panels of a sequence, and a power takes long
         to[i] = to[i - 1];
         continue;
       }

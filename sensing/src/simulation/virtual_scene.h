@@ -13,7 +13,7 @@
 namespace palpate::sensing {
 
 /// Checks a body.
-/// \throws InvalidInput naming the body and what is wrong with it.
+/// \throws InvalidInput naming the body and its fault.
 void check_body(const Body& body, std::size_t number);
 
 /// The point at which a ray meets a body.
