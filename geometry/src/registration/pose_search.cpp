@@ -37,7 +37,7 @@ constexpr size_t kLeastKept = 12;
 /// Weight of the term against motion along the surface: far from it its planes mislead.
 constexpr double kStayFar = 0.05;
 
-/// The vectors k * step, k whole numbers, within `range`, where step divides `range` and is at most
+/// The vectors k * step, k integers, within `range`, where step divides `range` and is at most
 /// `largest_step`.
 std::vector<Eigen::Vector3d> lattice(double range, double largest_step) {
   const int reach = static_cast<int>(std::ceil(range / largest_step));

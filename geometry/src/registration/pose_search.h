@@ -11,7 +11,7 @@
 
 namespace palpate::geometry {
 
-/// Poses are equal iff the points differ by at most this many cells of the coarse map on average.
+/// Poses are equal if the points differ by at most this many cells of the coarse map on average.
 inline constexpr double kSamePose = 2;
 
 /// A pose and its score.

@@ -19,18 +19,18 @@ namespace {
 /// Distances below this fraction of the target's diagonal are rounding error.
 constexpr double kLeastLength = 1e-6;
 
-/// A point is an inlier iff its distance is at most this many deviations.
+/// A point is an inlier if its distance is at most this many deviations.
 constexpr double kInlierDeviations = 3;
 
 /// The number of inliers must exceed the degrees of freedom that the surface fixes by this much;
 /// fewer points fit anywhere.
 constexpr int kSpareInliers = 10;
 
-/// A motion is weak, and is tried, iff it changes the distances to the planes by less than this
+/// A motion is weak, and is tried, if it changes the distances to the planes by less than this
 /// fraction of its length (root mean square): a relief of 18 degrees is sufficient.
 constexpr double kWeakGain = 0.3;
 
-/// A motion is free iff in its trial the median distance increases by at most this fraction of the
+/// A motion is free if in its trial the median distance increases by at most this fraction of the
 /// trial's length.
 constexpr double kFreeGrowth = 0.02;
 
@@ -38,7 +38,7 @@ constexpr double kFreeGrowth = 0.02;
 /// decision.
 constexpr double kFreeMedian = 0.25;
 
-/// A pose stands out iff at every trial, and at every other minimum, the median distance is larger
+/// A pose stands out if at every trial, and at every other minimum, the median distance is larger
 /// by at least the factor c (1 + (f / spare)^2), where spare is the number of inliers beyond six:
 /// few points also fit a wrong place if many places are tested.
 constexpr double kContrast = 2;
@@ -57,7 +57,7 @@ double median_after(const RegistrationTarget::Impl& target, const Eigen::Matrix3
   return median_distance(target.pair(to_motion(motion, problem) * moved).distances, min_overlap);
 }
 
-/// Motions, sorted by how little the planes fix them.
+/// Returns motions, those that the planes fix least first.
 std::vector<Trial> try_weak_motions(const RegistrationTarget::Impl& target,
                                     const Eigen::Matrix3Xd& moved, const RigidProblem& problem,
                                     double min_overlap) {
@@ -166,7 +166,7 @@ std::string describe_motion(const Eigen::Vector3d& rotation, const Eigen::Vector
     return fmt::format("({:.2f}, {:.2f}, {:.2f})", unit.x(), unit.y(), unit.z());
   };
   constexpr double kMixed =
-      0.1;  // a component is named iff it moves the points by this share of the others
+      0.1;  // a component is named if it moves the points by this share of the others
   const double turned = rotation.norm() * radius;
   const double shifted = translation.norm();
   if (turned < kMixed * shifted) return "a shift along " + direction(translation);

@@ -45,12 +45,12 @@ constexpr int kCandidateSteps = 12;
 constexpr Eigen::Index kCoarsePoints = 2000;
 constexpr Eigen::Index kLeastGain = 4;
 
-/// Candidates are refined on the surface itself iff their score on the coarse map is at most this
+/// Candidates are refined on the surface itself if their score on the coarse map is at most this
 /// many times the best, or a quarter of a cell; and at most this many are.
 constexpr double kRival = 3;
 constexpr size_t kMaxRivals = 6;
 
-/// Candidates fit equally well iff their scores differ by at most this factor (or rounding); among
+/// Candidates fit equally well if their scores differ by at most this factor (or rounding); among
 /// these the one that moves the points least is taken.
 constexpr double kEqualScore = 1.2;
 
@@ -129,7 +129,7 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
     const RigidProblem problem = rigid_problem(moved, pairing, pose.deviation);
     if (problem.used < kMinPoints) break;
     Vector6d x = solve(problem, kStayNear);
-    // Newton's step: Tukey's loss bends less than its weights say.
+    // Newton's step: Tukey's loss has less curvature than its weights imply.
     x *= problem.weight / std::max(problem.curvature, kLeastCurvature * problem.weight);
     if (!x.allFinite()) break;
     const double mean_error =
@@ -248,8 +248,8 @@ std::optional<double> best_other(const RegistrationTarget::Impl& target,
   return best;
 }
 
-/// The search range that contains the pose found, if the points moved beyond the range of the
-/// search; none if it was searched, or is so near that the trials of the verdict reach it.
+/// Returns the search range that contains the pose found, if the points moved beyond the range of
+/// the search; nullopt if it was searched, or is near enough for the trials of the verdict.
 std::optional<SearchRange> range_beyond(const SearchRange& searched, const Eigen::Matrix3Xd& points,
                                         const Eigen::Isometry3d& motion) {
   const Eigen::Vector3d centroid = points.rowwise().mean();

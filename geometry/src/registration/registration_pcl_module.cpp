@@ -16,7 +16,7 @@ namespace {
 using Point = pcl::PointNormal;
 using Cloud = pcl::PointCloud<Point>;
 
-/// PCL has converged iff a step moves by at most the rounding of its floats (local frame); it
+/// PCL has converged if a step moves by at most the rounding of its floats (local frame); it
 /// compares the squared translation, and one minus the cosine of the rotation.
 constexpr double kRounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
 

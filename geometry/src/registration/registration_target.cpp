@@ -25,7 +25,7 @@ namespace {
 /// Points per task.
 constexpr Eigen::Index kPointsPerTask = 64;
 
-/// On the coarse map, a point more than two cells away is beside the surface iff at most this share
+/// On the coarse map, a point more than two cells away is beside the surface if at most this share
 /// of the way to it is along the normal.
 constexpr double kAlongNormal = 0.7;
 
@@ -44,7 +44,7 @@ const TriangleMesh& checked(const TriangleMesh& mesh) {
   return mesh;
 }
 
-/// The vertices that may be on the border, in which few are not: around a vertex inside a surface
+/// Returns the vertices that may be on the border, few of which are not: around an inner vertex
 /// each neighbour follows as often as it precedes, so that the sum of scrambled neighbours is 0.
 std::vector<bool> maybe_on_border(const TriangleMesh& mesh) {
   constexpr std::uint64_t kScramble = 0x9e3779b97f4a7c15U;  // odd, 2^64 over the golden ratio
@@ -96,7 +96,7 @@ void RegistrationTarget::Impl::find_border() {
   const TriangleMesh& mesh = tree.mesh();
   border_sides_.assign(static_cast<size_t>(mesh.triangles.size()), false);
   border_vertices_.assign(static_cast<size_t>(mesh.vertices.cols()), false);
-  // Both ends of a side on the border are, and only triangles with two such have to be sorted.
+  // A side on the border has both ends on it: only triangles with two such vertices are sorted.
   const std::vector<bool> maybe = maybe_on_border(mesh);
   std::vector<bool> use(static_cast<size_t>(mesh.triangles.cols()));
   for (size_t t = 0; t < use.size(); ++t) {

@@ -52,8 +52,8 @@ struct RegistrationTarget::Impl {
   /// way from the nearest point of the surface itself.
   [[nodiscard]] Pairing pair(const Eigen::Matrix3Xd& points) const;
   /// The same for points that move in small steps.
-  /// \param slack other triangles are looked for up to this much farther away than the nearest.
-  /// With about twice the length of the motions to come, few of these need a search.
+  /// \param slack other triangles are searched up to this much farther away than the nearest.
+  /// With about twice the length of the next motions, few of these need a search.
   /// \param tracked the pairing before; empty at first.
   void pair(const Eigen::Matrix3Xd& points, double slack, TrackedPairing& tracked) const;
   /// Approximation from the coarse map, in constant time.
