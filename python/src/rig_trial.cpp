@@ -13,7 +13,7 @@
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig_assessment.h"
 
-// What a rig would measure of simulated bodies.
+// Simulates the measurements of a rig on bodies.
 namespace palpate::python {
 namespace {
 
