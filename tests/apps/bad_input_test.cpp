@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What a user can get wrong, through the command: a clear message, the right exit status, nothing
+// Errors of users in calls of the command: a clear message, the right exit status, no file
 // overwritten.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ using ::testing::IsSupersetOf;
 
 class BadInput : public ::testing::Test {
  protected:
-  /// The call is refused with status 2 and a message in which `place` is found; `kept` stays as it
-  /// was.
+  /// Expects that the call is refused with status 2 and a message that contains `place`, and that
+  /// `kept` stays unchanged.
   void expect_refused(const std::vector<std::string>& arguments, const std::string& place) {
     const CommandResult result = run_palpate(arguments);
     EXPECT_EQ(result.status, kWrongCall) << result.out << result.err;

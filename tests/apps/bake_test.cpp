@@ -35,7 +35,7 @@ class Bake : public ::testing::Test {
     return json::parse(result.out, nullptr, false);
   }
 
-  /// What the command says of a specimen that it refuses; it writes nothing.
+  /// Returns the message for a specimen that the command refuses; it writes nothing.
   std::string refusal(const std::string& text, int status = kWrongCall) const {
     write_text(specimen, text);
     const CommandResult result = run_palpate(call({"--queries", "0"}));
@@ -82,7 +82,7 @@ TEST_F(Bake, MakesAModelOfASolidOfFiniteElements) {
   EXPECT_EQ(baked["queries"]["count"], 20);
   EXPECT_LT(baked["rms"]["median"], 0.02);
   EXPECT_EQ(json::parse(read_text(model + "/field.json")).at("probe_radius"), 5);  // of the tip
-  // Cells of 10 mm are coarse for a tip of 5 mm: what the model cannot follow is that depths vary
+  // Cells of 10 mm are coarse for a tip of 5 mm: the model cannot follow the variation of depths
   // within a cell.
   EXPECT_LT(baked["queries"]["rms"], 0.15);
 }
@@ -116,7 +116,7 @@ TEST_F(Bake, RefusesWrongCallsBeforeItComputes) {
   const CommandResult nowhere = run_palpate({"bake", specimen, "-o", specimen + "/model"});
   EXPECT_NE(nowhere.status, kDone);
   EXPECT_THAT(nowhere.err, HasSubstr("specimen.json"));
-  // Not even the superuser can make a folder there. Samples would be written before the model.
+  // Even the superuser cannot make a folder there. Samples would be written before the model.
   const CommandResult kernel =
       run_palpate({"bake", specimen, "-o", "/proc/model", "--acquisition", store});
   EXPECT_EQ(kernel.status, kWorkFailed);

@@ -32,7 +32,7 @@ Isometry3d place_of_arm() {
          Eigen::AngleAxisd(1.4, Vector3d(1, 0.2, -0.1).normalized());
 }
 
-/// Off by 8 degrees and 15 mm at the object.
+/// A pose with an error of 8 degrees, and of 15 mm at the object.
 Isometry3d near_place_of_arm() {
   return Eigen::Translation3d(10, -9, 506) *
          Eigen::AngleAxisd(0.14, Vector3d(1, -2, 1).normalized()) *
@@ -77,7 +77,7 @@ Isometry3d pose_in(const nlohmann::json& rows) {
   return pose;
 }
 
-/// How far two poses put a place of the object apart [mm].
+/// Distance between the positions of a place of the object under two poses [mm].
 double apart(const Isometry3d& found, const Vector3d& place) {
   return (found * place_of_arm().inverse() * place - place).norm();
 }
@@ -108,7 +108,7 @@ TEST(CalibrateArm, ByTouchesWritesThePoseAndKeepsTheRestOfASetup) {
   EXPECT_EQ(setup.driver.at("port"), "usb0");
 }
 
-/// What a small camera sees of a ball before a wall.
+/// Writes the range map of a small camera of a ball before a wall.
 void write_range_map(const std::string& path, const Vector3d& centre, unsigned seed) {
   geometry::ImageF z(120, 160);
   std::mt19937 random(seed);
@@ -140,8 +140,8 @@ camera_distortion: !!opencv-matrix
    data: [ 0.0, 0.0, 0.0, 0.0, 0.0 ]
 )";
 
-/// Range maps of a ball at some places, and the table of the poses. At one of them the arm tells a
-/// wrong place.
+/// Writes range maps of a ball at some places, and the table of the poses. At one of them the arm
+/// reports a wrong position.
 void write_poses(const ScratchFolder& scratch, int count) {
   std::filesystem::create_directories(scratch.path() / "range");
   write_text(scratch / "range/rig.yaml", kCamera);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Recording with a camera of V4L2, which simulated_v4l2.cpp stands for below OpenCV.
+// Recording with a camera of V4L2, which simulated_v4l2.cpp simulates below OpenCV.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,14 +29,14 @@ class CaptureV4l2 : public ::testing::Test {
     environment.push_back(camera());
     return run_palpate(more, {.environment = environment});
   }
-  /// The environment variable that puts the simulated camera below OpenCV.
+  /// The environment variable that loads the simulated camera below OpenCV.
   std::string camera() const {
     // The loader parts its list at spaces, which the path of the build may contain.
     const std::filesystem::path library = scratch / "camera.so";
     if (!exists(library)) create_symlink(PALPATE_SIMULATED_V4L2, library);
     return "LD_PRELOAD=" + library.string();
   }
-  /// The numbers of the frames, as times.csv tells.
+  /// The numbers of the frames in times.csv.
   std::vector<std::uint64_t> numbers() const {
     std::istringstream table(read_text(scratch / "frames/times.csv"));
     std::string line;

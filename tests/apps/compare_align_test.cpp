@@ -49,7 +49,7 @@ class CompareAlign : public ::testing::Test {
     return run_palpate(call);
   }
 
-  /// [mm] Mean distance of A's vertices from where the true pose puts them.
+  /// [mm] Mean distance of A's vertices from their positions under the true pose.
   double error(const Eigen::Isometry3d& pose) const {
     return (pose * source.vertices - true_pose * source.vertices).colwise().norm().mean();
   }
@@ -88,7 +88,7 @@ TEST_F(CompareAlign, TheAlignedSurfaceIsWrittenWhereItLies) {
   const geometry::TriangleMesh aligned = geometry::read_mesh(scratch / "aligned.ply");
   EXPECT_EQ(aligned.triangles, source.triangles);
   EXPECT_EQ(aligned.vertices, to_pose(figures["aligned"]["pose"]) * source.vertices);
-  // What lies there already needs no motion.
+  // A surface that already lies there needs no motion.
   const json again = json::parse(
       run_palpate({"compare", scratch / "aligned.ply", scratch / "b.ply", "--align", "--json"})
           .out);

@@ -17,8 +17,8 @@ namespace {
 
 class CompareDepths : public ::testing::Test {
  protected:
-  /// A wall at 1000 mm; one column is 1 mm off, one 50 mm, one has a depth where nothing is, and
-  /// one has none.
+  /// A wall at 1000 mm; one column has an error of 1 mm, one of 50 mm, one has a depth where there
+  /// is nothing, and one has none.
   void SetUp() override {
     geometry::ImageF truth = geometry::ImageF::Constant(10, 8, 1000);
     geometry::ImageF measured = truth;
@@ -55,7 +55,7 @@ class CompareDepths : public ::testing::Test {
 
 TEST_F(CompareDepths, WrongDepthsDoNotCountAsErrors) {
   const nlohmann::json found = compare({});
-  EXPECT_EQ(found["wrong"], 20);  // 5 % off, and where nothing is
+  EXPECT_EQ(found["wrong"], 20);  // an error of 5 %, and where there is nothing
   EXPECT_EQ(found["measured"], 70);
   EXPECT_EQ(found["wrong_share"], 20.0 / 70);
   EXPECT_EQ(found["count"], 50);

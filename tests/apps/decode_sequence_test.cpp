@@ -74,7 +74,7 @@ class DecodeSequence : public ::testing::Test {
     return run_palpate(call, {.interrupt_when_there_is = at});
   }
 
-  /// What a reader of the output folder sees: all files but hidden ones, with their content.
+  /// The output folder as a reader sees it: all files except hidden ones, with their content.
   std::map<std::string, std::string> results() const {
     std::map<std::string, std::string> files;
     for (const auto& entry : fs::directory_iterator(scratch / "range")) {
@@ -120,7 +120,7 @@ TEST_F(DecodeSequence, ResumingDecodesAFrameAnewThatIsAnotherNow) {
            fs::copy_options::overwrite_existing);
   EXPECT_EQ(figures(scratch / "frames", {"--resume"})["kept"], 2);
   EXPECT_NE(read_text(map(0)), read_text(map(1)));
-  // What else is asked for now is made for all.
+  // Outputs that only this call requests are made for all frames.
   EXPECT_EQ(figures(scratch / "frames", {"--resume", "--reasons"})["kept"], 0);
   EXPECT_TRUE(fs::exists(scratch / "range/000002_reasons.tiff"));
 }
@@ -166,7 +166,7 @@ TEST_F(DecodeSequence, TheTimeOfWritingContainsThePictures) {
   EXPECT_GE(writing, run / 2);
 }
 
-// Nothing that the run has written is read again: what somebody removes meanwhile does not matter.
+// The run reads none of its outputs again: they may be removed meanwhile.
 TEST_F(DecodeSequence, PicturesNeedNoFileThatTheRunHasWritten) {
   std::atomic<bool> done = false;
   std::thread remover([&] {
@@ -212,7 +212,7 @@ TEST_F(DecodeSequence, TheRigBesideHalfRangeMapsIsTheirs) {
   EXPECT_NE(read_text(rig).find("camera_size: [ 320, 240 ]"), std::string::npos) << read_text(rig);
   const CommandResult mesh = run_palpate({"mesh", map(0), "-o", scratch / "flag.ply"});
   EXPECT_EQ(mesh.status, kDone) << mesh.err;
-  // It would have to give way to a smaller one.
+  // A smaller rig would have to replace it.
   const CommandResult again = run_palpate(
       {"decode", scratch / "frames", "--rig", rig, "--pattern", demo("pattern.yaml"), "--colors",
        scratch / "colors.yaml", "-o", scratch / "range", "--half-resolution"});
@@ -368,7 +368,7 @@ TEST_F(DecodeSequence, ResultsThatAKilledRunDidNotPutInTheirPlaceAreNotReadButPu
   }
 }
 
-// Ctrl-C in a terminal goes to the X server in memory as well.
+// Ctrl-C in a terminal also interrupts the X server in memory.
 TEST_F(DecodeSequence, InterruptingWhileItDrawsIsNoErrorOfTheXServer) {
   for (int i = 10; i < 22; ++i) add_frame(std::to_string(i) + ".png");
   const CommandResult stopped = interrupt({"--pictures", "--sigma"}, scratch / "range/000001.png");

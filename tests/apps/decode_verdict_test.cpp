@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What `palpate decode` does with frames that do not fit rig, pattern or colours.
+// Behaviour of `palpate decode` with frames that do not fit rig, pattern or colours.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// The demo, and what docs/results.md and its picture say about it.
+// The demo, and its results in docs/results.md and the picture there.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

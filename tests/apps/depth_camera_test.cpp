@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // From the images of a depth camera to meshes over time, on the bundled sequence, whose truth is
-// known: cameras of other programs, recordings, selected depths, and what is wrong with them.
+// known: cameras of other programs, recordings, selected depths, and faults in them.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ class DepthCamera : public ::testing::Test {
  protected:
   const ScratchFolder scratch;
 
-  /// The call with the bundled camera and unit, and with what else it takes.
+  /// Returns the call with the bundled camera and unit, and with further arguments.
   static std::vector<std::string> with(std::vector<std::string> call,
                                        const std::vector<std::string>& more = {},
                                        const std::string& scale = "1") {
@@ -122,7 +122,7 @@ TEST_F(DepthCamera, ReadsTheCameraOnceSoThatItMayComeThroughAPipe) {
            {"fuse", scratch / "depth", "-o", scratch / "fused.ply", "--camera", pipe}}) {
     const std::jthread writer([&](const std::stop_token& done) {
       write_text(pipe, camera);
-      while (!done.stop_requested()) {  // who opens it again finds it empty
+      while (!done.stop_requested()) {  // a second reader finds it empty
         const int again = open(pipe.c_str(), O_WRONLY | O_NONBLOCK);
         if (again >= 0) close(again);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -238,7 +238,7 @@ TEST_F(DepthCamera, LeavesTheObjectAloneWithoutTableAndWall) {
                                truth = geometry::read_mesh(bundled("truth/000000.ply"), {});
   const geometry::ClosestPoints closest =
       closest_points(geometry::SurfaceQuery(truth), object.vertices);
-  // Of table or wall, nothing is within 10 mm of the cushion; what mixes at its edges may be.
+  // Table and wall are more than 10 mm from the cushion; mixed pixels at its edges may be nearer.
   const auto away = (closest.distances.array() > 10).count();
   EXPECT_GT(object.vertices.cols(), 2500);
   EXPECT_LT(static_cast<double>(away), 0.002 * static_cast<double>(object.vertices.cols()));

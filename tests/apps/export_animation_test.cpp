@@ -69,7 +69,7 @@ class ExportAnimation : public ::testing::Test {
     const json& input = document["animations"][0]["samplers"][0]["input"];
     return accessor(document, input)["max"][0].get<float>();
   }
-  /// [m] How far the sheet has sunk at each target.
+  /// [m] Distance by which the sheet has sunk at each target.
   static std::vector<float> sunk(const json& document) {
     std::vector<float> depths;
     for (const json& target : document["meshes"][0]["primitives"][0]["targets"])

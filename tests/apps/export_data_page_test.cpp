@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// `palpate export --html` of range maps and meshes; tests/web looks at the pages themselves.
+// `palpate export --html` of range maps and meshes; tests/web tests the pages themselves.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -45,7 +45,7 @@ class ExportDataPage : public ::testing::Test {
     more.insert(more.begin(), {"export", input.string(), "--html", "-o", page().string()});
     return run_palpate(more);
   }
-  /// The call fails in these words, and leaves what was there.
+  /// Expects that the call fails with these words, and leaves existing files.
   void expect_refused(const fs::path& input, const std::string& words,
                       const std::vector<std::string>& more = {}) const {
     write_text(page(), "earlier");
@@ -54,7 +54,7 @@ class ExportDataPage : public ::testing::Test {
     EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
     EXPECT_EQ(read_text(page()), "earlier");
   }
-  /// What the page's scripts know.
+  /// The description of the data for the page's scripts.
   [[nodiscard]] json facts() const {
     const std::string text = read_text(page()), mark = "id=\"facts-data\">";
     const std::size_t begin = text.find(mark) + mark.size();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// `palpate export --html`; tests/web looks at the page itself.
+// `palpate export --html`; tests/web tests the page itself.
 #include <gtest/gtest.h>
 
 #include <string>

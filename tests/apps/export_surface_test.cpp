@@ -54,7 +54,7 @@ TEST(ExportSurface, GivesTheColourOfARangeMapAndKeepsThatOfAMesh) {
   const CommandResult missing = run_palpate(call);
   EXPECT_EQ(missing.status, kWrongCall);
   EXPECT_NE(missing.err.find("duck_color.png: missing. --color needs"), std::string::npos);
-  // Left half red, right half blue; the camera looks along z, so the column tells the half.
+  // Left half red, right half blue; the camera looks along z, so the column determines the half.
   const sensing::Rig rig = sensing::read_rig(demo("rig.yaml"));
   cv::Mat picture(rig.camera.height, rig.camera.width, CV_8UC3, cv::Scalar(0, 0, 255));
   picture.colRange(picture.cols / 2, picture.cols) = cv::Scalar(255, 0, 0);

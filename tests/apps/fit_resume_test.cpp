@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// `palpate fit` that is interrupted and goes on.
+// `palpate fit` that is interrupted and resumed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ class FitResume : public ::testing::Test {
     return run_palpate(call, options);
   }
 
-  // The record of a run that ended in the middle. A fit is quick: one after the other leaves time.
+  // The record of a run that ended in the middle. A fit is quick: one thread leaves enough time.
   void interrupt() const {
     const CommandResult result =
         fit("model", {"--threads", "1"}, {.interrupt_when_there_is = scratch / "model.fits"});
@@ -106,7 +106,7 @@ TEST_F(FitResume, WritesNoModelIfTheErrorsOfAFitExceedItsForces) {
   std::getline(lines, head);
   std::getline(lines, line);
   json entry = json::parse(line);
-  // Largest forces are 3.3 N. A number that is none is written as text.
+  // Largest forces are 3.3 N. NaN is written as text.
   for (const json& rms : {json(531600.0), json("nan")}) {
     entry["fit"]["rms"] = rms;
     write_text(scratch / "model.fits", head + "\n" + entry.dump() + "\n");
@@ -134,7 +134,7 @@ TEST_F(FitResume, RefusesOtherSettingsDataAndRecords) {
             std::string::npos);
   EXPECT_NE(refusal({"--resume", "--unit", "cm"}).find("another --unit"), std::string::npos);
   EXPECT_EQ(read_text(scratch / "model.fits"), record);
-  // What is unreadable is said so, and not guessed.
+  // An unreadable record is reported, and not guessed.
   const std::size_t end_of_head = record.find('\n');
   json head = json::parse(record.substr(0, end_of_head));
   head.erase("version");
@@ -168,7 +168,7 @@ TEST_F(FitResume, RefusesOtherSettingsDataAndRecords) {
                 .status,
             kDone);
   EXPECT_NE(refusal({"--resume"}).find("another ACQUISITION"), std::string::npos);
-  // Without --resume all are fitted anew.
+  // Without --resume all are fitted again.
   EXPECT_EQ(fit("model").status, kDone);
   EXPECT_FALSE(fs::exists(scratch / "model.fits"));
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// `palpate fit --shapes`: how the whole surface of a model follows the tool.
+// `palpate fit --shapes`: the response of the whole surface of a model to the tool.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

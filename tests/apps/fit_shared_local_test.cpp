@@ -19,7 +19,7 @@ constexpr int kContacts = 30, kDense = 6;
 
 class FitSharedLocal : public ::testing::Test {
  protected:
-  /// Measurements, their surface, and the model of a fit that nothing stopped, made once.
+  /// Measurements, their surface, and the model of an uninterrupted fit, made once.
   struct Whole {
     ScratchFolder folder;
     std::string store = folder / "a.db", surface = folder / "surface.ply", model = folder / "model";

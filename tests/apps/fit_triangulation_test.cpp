@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// `palpate fit --triangulation`: how the contacts of a model are triangulated.
+// `palpate fit --triangulation`: the triangulation of the contacts of a model.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -41,7 +41,7 @@ class FitTriangulation : public ::testing::Test {
     return run_palpate(call);
   }
 
-  // The triangles that the library makes of the contacts of a model.
+  // The triangles that the library makes from the contacts of a model.
   json triangles_of(const json& model, ContactTriangulationMethod method) const {
     const geometry::TriangleMesh mesh = geometry::read_mesh(surface);
     const geometry::SurfaceQuery query(mesh);
@@ -58,7 +58,7 @@ class FitTriangulation : public ::testing::Test {
     return result;
   }
 
-  /// Which triangle comes first means nothing.
+  /// Returns the triangles without their order, which has no meaning.
   static std::multiset<json> in_order(const json& triangles) {
     return {triangles.begin(), triangles.end()};
   }

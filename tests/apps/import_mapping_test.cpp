@@ -99,8 +99,8 @@ TEST_F(ImportMapping, IsChangedBySingleOptionsAndIsTheSameAsThem) {
   EXPECT_EQ(exported("both"), right);
 }
 
-/// Presses on springs in the frame of a laboratory: points, tips in m, and in mN what the
-/// tool feels, as the first mapping of the page describes it.
+/// Presses on springs in the frame of a laboratory: points, tips in m, and the forces on the tool
+/// in mN, as the first mapping of the page describes them.
 struct LabPresses {
   Eigen::MatrixXd points, tips, forces;  // N x 3, M x 3, 3 x M
   Eigen::VectorXd numbers, point_of;     // N, M
@@ -274,7 +274,7 @@ TEST_F(ImportMapping, OfThePageReadsARecordingAndSaysWhatIsLeftOut) {
     for (int i = 0; i < 50; ++i) add(x, 1, 1e9);
     for (int i = 0; i < 50; ++i) add(x, 1 - 0.05 * i, 1e9);
     for (int i = 0; i < 50; ++i) add(x, -1.5, 1e9);
-    // The last one goes on to where its sensor has its limit.
+    // The last one continues to the limit of its sensor.
     for (int i = 0; i < 50; ++i) add(x, x < 40 ? -1.5 : -3, 10);
     for (int i = 0; i < 50; ++i) add(x, 1, 1e9);
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What `palpate info` says of sizes, whatever the unit of a file was.
+// Sizes in the output of `palpate info`, for any unit of a file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ class Info : public ::testing::Test {
 TEST_F(Info, TellsTheSizeOfSmallSurfacesToo) {
   EXPECT_THAT(described(60), AllOf(HasSubstr("X 0.0 to 60.0, Y 0.0 to 60.0, Z 0.0 to 60.0 mm"),
                                    HasSubstr("volume 36000.0 mm^3")));
-  // As a file in metres looks that is read as mm. 0.012^3 / 6 = 2.88e-07.
+  // The sizes of a file in metres that is read as mm. 0.012^3 / 6 = 2.88e-07.
   EXPECT_THAT(described(0.012), AllOf(HasSubstr("X 0.0000 to 0.0120, Y 0.0000 to 0.0120"),
                                       HasSubstr("volume 2.88e-07 mm^3")));
 }

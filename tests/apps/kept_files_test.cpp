@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// No command writes over what it reads, or removes what it did not write.
+// No command overwrites its input, or removes files that it did not write.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -25,7 +25,7 @@ class KeptFiles : public ::testing::Test {
     return scratch / name;
   }
 
-  /// All files by their paths, with what is in them.
+  /// All files by their paths, with their content.
   std::map<std::string, std::string> content() const {
     std::map<std::string, std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(scratch.path()))
@@ -33,7 +33,7 @@ class KeptFiles : public ::testing::Test {
     return files;
   }
 
-  /// The call has status 2 and says `place`; not a file is another afterwards. What it says.
+  /// Expects status 2, a message with `place` and unchanged files. Returns the message.
   std::string expect_refused(const std::vector<std::string>& call, const std::string& place) const {
     const auto before = content();
     const CommandResult result = run_palpate(call);
@@ -105,7 +105,7 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
   for (const Case& one : cases) {
     std::vector<std::string> call = one.call;
     call.insert(call.end(), one.outputs.begin(), one.outputs.end());
-    // Not for another fault of these files, which are stand-ins: for the place.
+    // The reason is the place, not another fault of these files, which are stand-ins.
     const std::string reason = expect_refused(call, one.outputs.back());
     EXPECT_TRUE(reason.find("already used in this call") != std::string::npos ||
                 reason.find("which would be replaced") != std::string::npos ||
@@ -143,7 +143,7 @@ TEST_F(KeptFiles, SimulateReplacesOnlyAFolderOfItsOwn) {
   expect_refused(simulate_call(out), "frames/precious.png");
   fs::remove_all(out);
   ASSERT_EQ(run_palpate(simulate_call(out)).status, kDone);
-  fs::create_directories(out + "/report");  // as left by --report, now asked for no more
+  fs::create_directories(out + "/report");  // as left by --report, which this call omits
   const CommandResult again = run_palpate(simulate_call(out));
   EXPECT_EQ(again.status, kDone) << again.err;
   EXPECT_FALSE(fs::exists(out + "/report"));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Measurements of other labs: their columns and units, and what is said of those that are wrong.
+// Measurements of other labs: their columns and units, and messages for wrong ones.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ class Measurements : public ::testing::Test {
     call.insert(call.end(), more.begin(), more.end());
     return run_palpate(call);
   }
-  /// Import and fit refuse the measurements with these words; nothing is written.
+  /// Expects that import and fit refuse the measurements with these words and write nothing.
   void expect_refused(const probing::Acquisition& acquisition, const std::string& words) const {
     write_csv(acquisition);
     const CommandResult imported = import_csv();
@@ -323,7 +323,7 @@ TEST_F(Measurements, WhoseSlipsContradictTheFrictionOrWhoseForcesAreUnexplainedA
     sample.on_friction_boundary = false;
     if (sample.id * 7 % 10 < 2) sample.slipped = !sample.slipped;
   }
-  // Tangential displacements that are now with the force, now against it.
+  // Tangential displacements that alternate between along and against the force.
   for (std::size_t i = 0; i < acquisition.samples.size(); ++i) {
     probing::Sample& sample = acquisition.samples[i];
     const Eigen::Vector3d way = (sample.b - sample.a) * (i % 3 == 0 ? -3.0 : 3.0);
@@ -390,7 +390,7 @@ TEST_F(Measurements, OfThePageAreImportedAndFitted) {
   EXPECT_EQ(result.status, kDone);
   EXPECT_THAT(result.err, IsEmpty());
   const probing::CheckedAcquisition read = probing::read_acquisition(scratch.path() / "a.db");
-  // The stiffnesses and the friction that the page tells.
+  // The stiffnesses and the friction that the page states.
   for (const probing::Sample& sample : read.samples()) {
     const probing::Contact& contact = read.contacts()[*read.find(sample.contact)];
     EXPECT_NEAR(sample.force.z(), 0.5 * (sample.a - contact.position).z(), 1e-9);

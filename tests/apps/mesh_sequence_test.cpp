@@ -93,7 +93,7 @@ TEST_F(MeshSequence, EachMeshIsWhatItsRangeMapAloneGives) {
   figures(
       {"mesh", scratch / "range/000007.tiff", "-o", scratch / "single.ply", "--tolerance", "1"});
   EXPECT_EQ(read_text(scratch / "meshes/000007.ply"), read_text(scratch / "single.ply"));
-  // The distance that was promised is the one that is measured, from the map itself.
+  // The stated distance is the one that is measured from the map itself.
   const auto distance = figures(
       {"compare", scratch / "meshes/000007.ply", scratch / "range/000007.tiff"})["hausdorff"];
   EXPECT_LE(distance["lower"], 1);
@@ -147,7 +147,7 @@ TEST_F(MeshSequence, MeshesOfAnEarlierRunAreReplacedAsAWhole) {
   EXPECT_NE(full.err.find("000007.ply: cannot be written"), std::string::npos) << full.err;
   EXPECT_EQ(read_text(scratch / "meshes/000003.ply"), small);
   EXPECT_EQ(read_text(scratch / "meshes/000007.ply"), large);
-  // A mesh that has no successor goes with the others, and nothing else is left.
+  // A mesh without a successor is removed with the others, and no other file is left.
   write_text(scratch / "range/000007.tiff", "broken");
   EXPECT_EQ(run_palpate({"mesh", scratch / "range", "-o", scratch / "meshes"}).status, kWorkFailed);
   EXPECT_NE(read_text(scratch / "meshes/000003.ply"), small);
@@ -175,7 +175,7 @@ TEST_F(MeshSequence, DepthsAreSmoothedWithinTheirDeviations) {
 
 TEST_F(MeshSequence, ARangeMapIsComparedWithAReferenceThatLiesElsewhereInOneCommand) {
   // The reference: two fifths of the true surface, turned by 8 degrees about an axis through it and
-  // moved by 20 mm. What is left after alignment is the noise of the measured map.
+  // moved by 20 mm. Only the noise of the measured map remains after alignment.
   cv::Mat part(480, 640, CV_32F, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
   const cv::Rect inner(285, 205, 70, 70);
   bumps()(inner).copyTo(part(inner));

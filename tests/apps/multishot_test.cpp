@@ -122,7 +122,7 @@ TEST_F(MultishotCommands, MeasureAStillSceneWithARigSideBySide) {
   EXPECT_GT(score, 0.7);
   EXPECT_LT(score, 1.3);
 
-  // What users of depth cameras expect: a point per pixel, with its colour.
+  // Users of depth cameras expect a point per pixel, with its colour.
   const geometry::PointCloud cloud = geometry::read_point_cloud(scratch / "range/000000.pcd");
   EXPECT_EQ(cloud.width, 160);
   EXPECT_EQ(cloud.height, 120);

@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 using valijson::adapters::NlohmannJsonAdapter;
 
-/// What docs/output.schema.json says of a command, read once; null if it says nothing.
+/// The schema of a command in docs/output.schema.json, read once; null if it has none.
 const valijson::Schema* schema_of(const std::string& command) {
   struct Described {
     json text;

@@ -8,11 +8,11 @@
 
 namespace palpate::apps {
 
-/// The command of a call as docs/output.schema.json names it; none if the call does not ask for
-/// figures in JSON. `--json` of `palpate export` is the format of a file.
+/// Returns the command of a call as docs/output.schema.json names it; nullopt if the call does not
+/// request figures in JSON. `--json` of `palpate export` is the format of a file.
 std::optional<std::string> command_with_figures(const std::vector<std::string>& call);
 
-/// How `output` differs from the schema of the command; empty if it does not.
+/// Returns the differences of `output` from the schema of the command; empty if there are none.
 std::string differences_from_schema(const std::string& command, const std::string& output);
 
 }  // namespace palpate::apps

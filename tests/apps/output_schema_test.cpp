@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What --json prints is one documented vocabulary: docs/output.schema.json. `run_palpate` compares
-// the figures of every call in these tests with it; here are the commands whose figures no other
-// test reads.
+// The output of --json has one documented vocabulary: docs/output.schema.json. `run_palpate`
+// compares the figures of every call in these tests with it; here are the commands whose figures no
+// other test reads.
 #include "output_schema.h"
 
 #include <gtest/gtest.h>

@@ -61,7 +61,7 @@ class Plan : public ::testing::Test {
 
   inline static std::unique_ptr<ScratchFolder> measured;
   ScratchFolder scratch;
-  // Where the model was measured.
+  // The region in which the model was measured.
   const std::string middle = "region: {box: [-42, -60, 0, 42, 60, 1000]}";
 };
 
@@ -141,7 +141,7 @@ TEST_F(Plan, RaisesTheErrorAloudIfTheArmHasTooLittleTime) {
   EXPECT_THAT(plan().err, HasSubstr("times the error that is planned for (0.100 N)"));
 }
 
-// What the other object needs counts, whichever the project is for.
+// The needs of the other object count, whichever object the project is for.
 TEST_F(Plan, SharesTheTimeOfTheArmAlsoInAProject) {
   const std::string object = "{name: NAME, model: \"" + (*measured / "model") +
                              "\", require: {force_error: 0.09 N, " + middle + "}}\n";

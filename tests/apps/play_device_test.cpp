@@ -205,7 +205,7 @@ TEST_F(PlayDevice, RefusesCallsWithoutSense) {
   for (const auto& [call, words] : calls) expect_words(call, kWrongCall, words);
 }
 
-// Each option with a value, and the beginnings of calls in which it does nothing.
+// Each option with a value, and the beginnings of calls in which it has no effect.
 TEST_F(PlayDevice, RefusesEachOptionWhereItDoesNothing) {
   using Words = std::vector<std::string>;
   const Words along = {"--trajectory", press()};
@@ -248,7 +248,7 @@ TEST_F(PlayDevice, RefusesEachOptionWhereItDoesNothing) {
     for (const auto& [begin, needs] : idle.calls) {
       Words call = begin;
       call.insert(call.end(), idle.option.begin(), idle.option.end());
-      // The last option that was given here is the one that does nothing.
+      // The last option that was given here is the one without effect.
       const std::string name = idle.option.size() > 2 ? idle.option[2] : idle.option[0];
       call.insert(call.begin(), {"play", *scratch / "model"});
       const CommandResult result = run_palpate(call);

@@ -84,7 +84,7 @@ TEST_F(PlayScene, WritesATraceOfEachToolAndOfEachObject) {
   ASSERT_EQ(load.size(), 7U);
   EXPECT_EQ(std::stod(load[3]), -std::stod(resting[9]));
 
-  // Once more, over the record, with other options.
+  // Again, over the record, with other options.
   json other = scene();
   other["near_tools"] = "independent";
   write_text(*scratch / "independent.json", other.dump());

@@ -32,7 +32,7 @@ class ProbeArm : public ::testing::Test {
     probing::write_plan(plan_file, plan);
   }
 
-  /// The setup of a device that stands where the virtual arm stands.
+  /// Writes the setup of a device with the pose of the virtual arm.
   void write_setup_with_pose(const json& driver) const {
     const Eigen::Isometry3d pose = probing::mount_over(sheet->surface(), {});
     json with_pose = setup;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // `palpate probe run --camera`: the deformed object recorded with each sample, and the model made
-// of both.
+// from both.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -64,7 +64,7 @@ class ProbeCamera : public ::testing::Test {
             colors()};
   }
 
-  /// A campaign of three contacts that nothing stopped, made once; not to be changed.
+  /// An uninterrupted campaign of three contacts, made once; not to be changed.
   struct Campaign {
     ScratchFolder folder;
     std::string specimen = folder / "body.json", plan = folder / "plan.json",
@@ -118,7 +118,7 @@ TEST_F(ProbeCamera, RecordsARangeMapWithEachSample) {
   }
   EXPECT_GE(seen, 6);
   EXPECT_EQ(done["range_maps"], seen);
-  // Its own rig lies beside the range maps, so that other commands need not be told.
+  // Its own rig lies beside the range maps, so that other commands need no option for it.
   const json compared = figures_of({"compare", (folder / "range/000000.tiff").string(),
                                     (folder / "truth/000000.tiff").string()});
   EXPECT_LT(compared["median"], 0.1) << compared;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// `palpate probe truth | plan | run | resume | status`, and what `fit` and `evaluate` make of them.
+// `palpate probe truth | plan | run | resume | status`, and `fit` and `evaluate` of their results.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
@@ -47,7 +47,7 @@ class Probe : public ::testing::Test {
     return result.err;
   }
 
-  /// A campaign of twelve contacts that nothing stopped, made once; not to be changed.
+  /// An uninterrupted campaign of twelve contacts, made once; not to be changed.
   struct Campaign {
     ScratchFolder folder;
     std::string specimen = folder / "sheet.json", plan = folder / "plan.json",
@@ -68,7 +68,7 @@ class Probe : public ::testing::Test {
     return made;
   }
 
-  /// The page shows all pictures that are there, and no other.
+  /// Expects that the page shows all existing pictures, and no other.
   static void expect_whole_page(const fs::path& folder) {
     const std::string page = read_text(folder / "index.html");
     int pictures = 0;
@@ -133,9 +133,9 @@ TEST_F(Probe, SaysWhereAQuasiStaticModelDoesNotShowWhatWasMeasured) {
   write_text(specimen, R"({"type": "sheet", "retarded": 0.3, "retardation_time": 1.5})");
   plan({"--contacts", "3"});
   const json done = figures(run_call(store));
-  // What is then slower than 0.01 mm/s, 0.015 mm, does not come.
+  // Creep slower than 0.01 mm/s, the last 0.015 mm, is not measured.
   EXPECT_NEAR(done["creep"].get<double>(), 0.3, 0.02);
-  EXPECT_TRUE(done["energy_lost"].is_null());  // this arm knows no path
+  EXPECT_TRUE(done["energy_lost"].is_null());  // this arm has no path
   EXPECT_EQ(done["energy_loops"], 0);
   const std::string words = "of the displacement came after the force was constant";
   EXPECT_NE(run_palpate({"probe", "status", store}).out.find(words), std::string::npos);
@@ -171,7 +171,7 @@ TEST_F(Probe, InterruptedAndResumedMeasuresTheSame) {
   EXPECT_EQ(resumed["fingerprint"], whole["fingerprint"]);
   resumed["output"] = whole["output"];
   EXPECT_EQ(resumed, whole);
-  // Once more there is nothing left.
+  // Another resume has no trials left.
   EXPECT_EQ(figures({"probe", "resume", store})["fingerprint"], whole["fingerprint"]);
   json status = figures({"probe", "status", store});
   EXPECT_EQ(status["trials"], whole["trials"]);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Simulated frames through the command, and what is made of them.
+// Simulated frames through the command, and results of them.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -111,7 +111,7 @@ TEST_F(Simulate, MakesTheImagesOfStillScenesThatDecodeMultishotReads) {
 
 TEST_F(Simulate, MakesAFrameOfEachMeshOfASequence) {
   // A card goes from 700 to 706 mm. The shutter closes half way, in the middle of the exposure it
-  // is a quarter of the way; the last mesh goes nowhere.
+  // is a quarter of the way; the last mesh does not move.
   EXPECT_EQ(figures(run({card("near.ply", 700), card("far.ply", 706)},
                         {"--shutter", "0.5", "--ideal"}))["frames"],
             2);

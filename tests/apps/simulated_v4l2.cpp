@@ -234,7 +234,7 @@ int open(const char* path, int flags, ...) {
   return next<int(const char*, int, ...)>("open")(path, flags, mode);
 }
 
-// Where files of any size have 64-bit offsets, both are the same.
+// On systems where all files have 64-bit offsets, both are the same.
 int open64(const char* path, int flags, ...) {
   va_list more;
   va_start(more, flags);

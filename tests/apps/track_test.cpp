@@ -34,8 +34,8 @@ constexpr int kWidth = 192;     // pixels of 3 mm
 constexpr double kNoise = 0.2;  // [mm] standard deviation of the depths
 constexpr int kFrames = 6;
 
-/// The surface in a frame, when `rest` is where a material point was at first: a dent of 12 mm runs
-/// across it while one side is rolled up.
+/// Returns the position in a frame of the material point that was at `rest` at first: a dent of
+/// 12 mm runs across the surface while one side is rolled up.
 Vector3d place(const Vector3d& rest, int frame) {
   const double t = static_cast<double>(frame) / (kFrames - 1);
   const Vector3d dent(-110 + 120 * t, -41.1 + 30 * t, 0);
@@ -114,8 +114,8 @@ class Track : public ::testing::Test {
     return run_palpate(call, options);
   }
 
-  /// Puts into a folder what track() makes of the files as they are, made by the first test that
-  /// asks for it.
+  /// Puts the results of track() for the unchanged files into a folder; the first test that needs
+  /// them makes them.
   void put_meshes(const std::string& output) const {
     static const ScratchFolder made;
     if (fs::is_empty(made.path())) {
@@ -126,7 +126,7 @@ class Track : public ::testing::Test {
     }
   }
 
-  /// The call is refused and nothing is written. What it says.
+  /// Expects that the call is refused and nothing is written. Returns its message.
   std::string expect_refused(const std::vector<std::string>& call, const std::string& words) const {
     const auto before = content(scratch.path());
     const CommandResult result = run_palpate(call);
@@ -151,7 +151,7 @@ class Track : public ::testing::Test {
     return files;
   }
 
-  /// How far the visible vertices of a mesh are from their material points [mm].
+  /// Distances of the visible vertices of a mesh from their material points [mm].
   geometry::ErrorStatistics errors(int frame) const {
     const Eigen::Matrix3Xd found = geometry::read_mesh(mesh_file(frame)).vertices;
     const geometry::TriangleMesh truth = true_mesh(frame);
@@ -179,8 +179,8 @@ TEST_F(Track, VerticesFollowTheirMaterialPointsAndTrianglesStay) {
     const geometry::MeshFile file = geometry::read_mesh_file(mesh_file(frame));
     EXPECT_EQ(file.mesh.triangles, rest.triangles) << frame;
     const geometry::ErrorStatistics error = errors(frame);
-    // Pixels are 3 mm wide and nodes some 45 mm apart: what the nodes cannot follow is well below a
-    // pixel, and nothing like the motion itself.
+    // Pixels are 3 mm wide and nodes about 45 mm apart: the error of the nodes is well below a
+    // pixel, and far below the motion itself.
     EXPECT_LT(error.rms, 1.0) << frame;
     EXPECT_LT(error.median, 0.5) << frame;
     const json& of_frame = figures["per_frame"][static_cast<std::size_t>(frame)];
@@ -237,7 +237,7 @@ TEST_F(Track, AResumedRunGivesWhatAnUninterruptedRunGives) {
   EXPECT_EQ(rest.status, kWorkFailed) << rest.err;
   EXPECT_EQ(json::parse(rest.out)["kept"], std::count(record.begin(), record.end(), '\n') - 1);
   EXPECT_EQ(content(scratch / "meshes"), content(scratch / "whole"));
-  // Nothing is left to do.
+  // There is nothing left to do.
   const CommandResult again = track({"--resume"});
   EXPECT_EQ(again.status, kWorkFailed);
   EXPECT_EQ(json::parse(again.out)["kept"], kFrames);
@@ -294,7 +294,7 @@ TEST_F(Track, FollowsTheTextureOfPicturesBesideTheDepths) {
   ASSERT_EQ(run("seeing", {"--color-images", scratch / "color", "--resume"}).status, kDone);
   EXPECT_EQ(content(scratch / "seeing"), whole);
 
-  // Nor does it keep what another picture has changed.
+  // It does not keep frames whose picture has changed.
   fs::copy(scratch / "color/000000.png", scratch / "color/000002.png",
            fs::copy_options::overwrite_existing);
   const CommandResult changed =
@@ -389,7 +389,7 @@ TEST_F(Track, OnlyTheSameCallIsResumed) {
   fs::rename(map_file(5), scratch / "range/000007.tiff");
   EXPECT_NE(refusal({"--resume"}).find("range map 5 was 000005.tiff and is now 000007.tiff"),
             std::string::npos);
-  // Without --resume the folder holds the new sequence alone.
+  // Without --resume the folder holds only the new sequence.
   ASSERT_EQ(track({"--format", "obj"}).status, kDone);
   for (const auto& [file, text] : content(scratch / "meshes"))
     EXPECT_TRUE(file.ends_with(".obj") || file.starts_with("nodes/") || file == "track.jsonl")

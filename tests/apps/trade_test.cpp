@@ -31,7 +31,7 @@ json trade_figures(std::vector<std::string> call) {
   return json::parse(result.out);
 }
 
-// Each point can be had again by its settings.
+// The settings of each point reproduce it.
 TEST(Trade, OfAMeshFindsTheTrianglesForEachDistance) {
   const ScratchFolder scratch;
   const std::string mesh = repository("meshes/hand.ply");
@@ -60,7 +60,7 @@ TEST(Trade, OfAMeshFindsTheTrianglesForEachDistance) {
   EXPECT_FALSE(fs::exists(scratch / "trade/work"));
 }
 
-// Settings that change nothing are not shown twice; each point is what its command gives.
+// Settings that change nothing are not shown twice; each point is the result of its command.
 TEST(Trade, OfMeasurementsComparesFitsAndReducedModels) {
   const ScratchFolder scratch;
   // The first six contacts.

@@ -58,7 +58,7 @@ class WayOfTheData : public ::testing::Test {
         {"fit", folder / "acquisition.db", data / "surface.ply", "-o", folder / "model"});
   }
 
-  /// That of the sheet, made once; not to be changed.
+  /// The model of the sheet, made once; not to be changed.
   struct Sheet {
     ScratchFolder folder;
     nlohmann::json fitted = fit("sheet", folder);
@@ -242,8 +242,8 @@ TEST_F(WayOfTheData, InfoMeasuresAMesh) {
 }
 
 TEST_F(WayOfTheData, InfoListsWhatIsWrongWithAMeshAndMeshMendsIt) {
-  // A square in two triangles, one turned; a triangle with a vertex that is not there; one with a
-  // vertex that is not a number.
+  // A square in two triangles, one turned; a triangle with a missing vertex; one with a vertex that
+  // is not a number.
   write_text(scratch / "broken.off",
              "OFF\n5 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\nnan 0 0\n"
              "3 0 1 2\n3 0 3 2\n3 0 1 9\n3 1 0 4\n");

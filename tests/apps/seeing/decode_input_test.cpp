@@ -26,7 +26,7 @@ cv::Mat sinusoid(double gamma) {
   return image;
 }
 
-/// What is logged while the frame is read.
+/// Returns the messages that are logged while the frame is read.
 std::string said_of(const cv::Mat& image,
                     void (*change)(sensing::SourceFrame&) = examine_when_read) {
   std::ostringstream text;

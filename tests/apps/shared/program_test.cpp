@@ -18,7 +18,7 @@
 namespace palpate::apps {
 namespace {
 
-/// What a program prints whose work ends by an exception. It must fail.
+/// Returns the output of a program whose work ends with an exception. It must fail.
 std::string printed_by(int status, const std::function<int()>& run) {
   const ScratchFolder scratch;
   const std::string err = scratch / "err";

@@ -13,7 +13,7 @@
 namespace palpate::apps {
 namespace {
 
-/// What is printed about 40 pieces of work that take so long together, outside of a terminal.
+/// Returns the output for 40 pieces of work that take this time together, outside of a terminal.
 std::string printed(std::chrono::milliseconds time) {
   ::testing::internal::CaptureStderr();
   {
@@ -48,7 +48,7 @@ TEST(Progress, OfAnOptionEndsWithTheWorkAndBeginsAnewWithTheNext) {
   progress(0, 2);
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   progress(2, 2);
-  progress(0, 2);  // short work, of which nothing is said
+  progress(0, 2);  // short work, which is not reported
   progress(2, 2);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "palpate: finding normals: 2 of 2\n");
 }

@@ -20,7 +20,7 @@ class ProjectFile : public ::testing::Test {
     return read_project(scratch / "project.yaml");
   }
 
-  /// What is said of a file of this text.
+  /// Returns the message for a file with this text.
   std::string refusal(const std::string& text) const {
     try {
       (void)read(text);

@@ -71,7 +71,7 @@ TEST_F(ResultFolders, DropOrKeepWhatIsNotFinished) {
     EXPECT_EQ(next.replaces(), unfinished == kept);
     EXPECT_EQ(fs::exists(next.place() / "b.ply"), unfinished == dropped);
   }
-  // What is not resumed goes when another run begins, and not before.
+  // Results that are not resumed are removed when another run begins, and not before.
   const ResultFolder anew(out, all_files, kept);
   EXPECT_TRUE(fs::exists(anew.place() / "a.ply"));
   anew.begin();

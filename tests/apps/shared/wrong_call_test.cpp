@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What the program says of a wrong call, and how its messages look.
+// Messages of the program for a wrong call, and their form.
 #include "shared/wrong_call.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kDone = 0;
 constexpr int kWrongCall = 2;
 
-/// The call is wrong, changes nothing, and is told so with these words in one line.
+/// Expects that the call is wrong, changes nothing, and prints these words in one line.
 void expect_words(const std::vector<std::string>& call, const std::string& words) {
   const CommandResult result = run_palpate(call);
   EXPECT_EQ(result.status, kWrongCall) << result.err;
