@@ -4,7 +4,7 @@
 # The job of one shard on Slurm. Edit it for your site: partition, account, modules. One job holds one command.
 # cluster/submit.sh replaces {command}, {log}, {memory} and {time}.
 #SBATCH --job-name=palpate
-#SBATCH --output={log}
+#SBATCH --output="{log}"
 #SBATCH --mem={memory}
 #SBATCH --time={time}
 #SBATCH --cpus-per-task=1
