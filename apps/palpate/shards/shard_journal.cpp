@@ -82,6 +82,7 @@ ShardJournal journal_of(const fs::path& file, const Shard& shard, const RunRecor
                        .end = head.at("end"),
                        .seconds = head.at("seconds"),
                        .peak_memory = head.at("peak_memory"),
+                       .restarts = head.value("restarts", 0),
                        .items = {}};
   for (const Json& line : record.items) journal.items.push_back(item_of(line));
   return journal;
@@ -123,6 +124,7 @@ void write_journal(const fs::path& folder, const ShardJournal& journal) {
                             {"end", journal.end},
                             {"seconds", journal.seconds},
                             {"peak_memory", journal.peak_memory},
+                            {"restarts", journal.restarts},
                             {"items", journal.items.size()}},
                    .items = {}};
   for (const ShardItem& item : journal.items) record.items.push_back(json_of(item));

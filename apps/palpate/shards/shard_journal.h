@@ -44,6 +44,7 @@ struct ShardJournal {
   std::string host, start, end;    ///< times in UTC, "2026-11-28T17:03:12Z", of the host's clock
   double seconds = 0;              ///< from start to end
   std::uintmax_t peak_memory = 0;  ///< [bytes] of the process
+  int restarts = 0;                ///< number of times that Slurm queued its job again
   std::vector<ShardItem> items;
 };
 

@@ -10,8 +10,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdint>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -56,20 +59,6 @@ bool is_as_it_was(const ShardItem& item, const fs::path& output) {
                              [&](const auto& file) { return is_as_it_was(file, output); });
 }
 
-/// The journal of an earlier run of the shard, if all is as it says.
-std::optional<ShardJournal> finished_before(const ShardCall& call, const Shard& shard) {
-  try {
-    std::optional<ShardJournal> journal = read_journal(call.output, shard);
-    if (!journal || journal->settings != call.settings) return std::nullopt;
-    const bool is_same = std::ranges::all_of(
-        journal->items, [&](const ShardItem& item) { return is_as_it_was(item, call.output); });
-    return is_same ? std::move(journal) : std::nullopt;
-  } catch (const FileError& damaged) {
-    spdlog::info("{} The shard is done again.", damaged.what());
-    return std::nullopt;
-  }
-}
-
 /// \return whether shards of the same call are in the folder.
 bool has_shards_of(const ShardCall& call) {
   const std::optional<ShardCall> before = read_call(call.output);
@@ -84,7 +73,28 @@ bool has_shards_of(const ShardCall& call) {
   return true;
 }
 
+/// How often Slurm has put the job of this process back into its queue.
+int restarts() {
+  const char* const text = std::getenv("SLURM_RESTART_COUNT");
+  int count = 0;
+  if (text != nullptr) std::from_chars(text, text + std::string_view(text).size(), count);
+  return count;
+}
+
 }  // namespace
+
+std::optional<ShardJournal> finished_shard(const ShardCall& call, const Shard& shard) {
+  try {
+    std::optional<ShardJournal> journal = read_journal(call.output, shard);
+    if (!journal || journal->settings != call.settings) return std::nullopt;
+    const bool is_same = std::ranges::all_of(
+        journal->items, [&](const ShardItem& item) { return is_as_it_was(item, call.output); });
+    return is_same ? std::move(journal) : std::nullopt;
+  } catch (const FileError& damaged) {
+    spdlog::info("{} The shard must be done again.", damaged.what());
+    return std::nullopt;
+  }
+}
 
 ShardRun::ShardRun(const ShardCall& call, const Shard& shard, const List& list,
                    const std::function<void()>& write_common)
@@ -96,7 +106,7 @@ ShardRun::ShardRun(const ShardCall& call, const Shard& shard, const List& list,
   journal_.settings = call.settings;
   journal_.start = utc_time();
   if (has_shards_of(call)) {
-    if (std::optional<ShardJournal> before = finished_before(call, shard)) {
+    if (std::optional<ShardJournal> before = finished_shard(call, shard)) {
       journal_ = std::move(*before);
       finished_ = true;
     }
@@ -121,6 +131,7 @@ void ShardRun::finish() {
   journal_.end = utc_time();
   journal_.seconds = taken.count();
   journal_.peak_memory = peak_memory();
+  journal_.restarts = restarts();
   write_journal(call_.output, journal_);
 }
 

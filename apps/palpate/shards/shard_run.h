@@ -15,6 +15,10 @@
 
 namespace palpate::apps {
 
+/// The journal of a shard, if it is finished: its settings are those of the call, and its inputs
+/// and outputs are as the journal says. The current directory must be that of the call.
+[[nodiscard]] std::optional<ShardJournal> finished_shard(const ShardCall& call, const Shard& shard);
+
 /// Writes the results of one shard into a folder that all shards share.
 ///
 /// A shard writes only the files of its own items, each as a whole, and at its end its journal.

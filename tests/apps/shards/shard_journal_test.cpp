@@ -22,6 +22,7 @@ ShardJournal journal_of_two() {
                        .end = "2026-11-28T17:04:12Z",
                        .seconds = 60,
                        .peak_memory = 1 << 20,
+                       .restarts = 2,
                        .items = {}};
   journal.items.push_back({.number = 4,
                            .name = "4.png",
@@ -46,6 +47,7 @@ TEST(ShardJournal, IsReadAsItWasWritten) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->host, "here");
   EXPECT_EQ(read->peak_memory, 1U << 20);
+  EXPECT_EQ(read->restarts, 2);
   ASSERT_EQ(read->items.size(), 2U);
   EXPECT_EQ(read->items[0].result.at("depth"), 0.1);
   EXPECT_EQ(read->items[0].inputs.at(0).modified, 77);
