@@ -80,16 +80,18 @@ int run_program(const char* name, const std::function<int()>& run) {
   return status;
 }
 
-fs::path program_folder() {
+fs::path program_file() {
   constexpr const char* kProgram = "/proc/self/exe";
   std::error_code error;
-  const fs::path program = fs::read_symlink(kProgram, error);
+  fs::path program = fs::read_symlink(kProgram, error);
   if (error) {
     throw FileError(std::string(kProgram) + ": cannot be read (" + error.message() +
                     "); mount /proc, so that Palpate finds its files");
   }
-  return program.parent_path();
+  return program;
 }
+
+fs::path program_folder() { return program_file().parent_path(); }
 
 fs::path bundled(const fs::path& installed, const fs::path& in_build) {
   const fs::path path = program_folder() / installed;

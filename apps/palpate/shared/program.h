@@ -18,6 +18,10 @@ inline constexpr int kProgramWrongCall = 2;  ///< the call or an input file is w
 /// \return the result of `run`, or the status of its exception.
 [[nodiscard]] int run_program(const char* name, const std::function<int()>& run);
 
+/// The file of this program.
+/// \throws FileError if /proc is not mounted.
+[[nodiscard]] fs::path program_file();
+
 /// The folder of this program.
 /// \throws FileError if /proc is not mounted.
 [[nodiscard]] fs::path program_folder();

@@ -19,18 +19,17 @@ constexpr int kBarWidth = 40;                        // characters
 constexpr auto kPatience = std::chrono::seconds(1);  // shorter work shows no bar
 constexpr auto kRedraw = std::chrono::milliseconds(100);
 
-// ", 12 min left"
+std::mutex latest_mutex;
+std::string latest_work;  // guarded by the mutex
+
+}  // namespace
+
 std::string time_left(double seconds) {
   const auto minutes = static_cast<long long>(std::ceil(seconds / 60));
   if (seconds < 60) return fmt::format(", {:.0f} s left", std::ceil(seconds));
   if (minutes < 60) return fmt::format(", {} min left", minutes);
   return fmt::format(", {} h {} min left", minutes / 60, minutes % 60);
 }
-
-std::mutex latest_mutex;
-std::string latest_work;  // guarded by the mutex
-
-}  // namespace
 
 Progress::Progress(std::string what)
     : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {

@@ -12,6 +12,9 @@
 
 namespace palpate::apps {
 
+/// ", 12 min left"
+[[nodiscard]] std::string time_left(double seconds);
+
 /// Progress on standard error with the estimated time left, if the work takes more than a second: a
 /// bar on a terminal; elsewhere a line after each tenth of the work. With --quiet there is none, as
 /// there are no warnings. While it exists, Ctrl-C and SIGTERM do not kill the process in the middle

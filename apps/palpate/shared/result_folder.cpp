@@ -158,6 +158,10 @@ void ResultFolder::put_in_place() const {
   }
 }
 
+fs::path unfinished_place(const fs::path& folder) {
+  return is_there(folder / kWriting) ? folder / kWriting : folder;
+}
+
 void check_is_of_one_run(const fs::path& folder) {
   if (!is_there(folder / kFinished) && !is_there(folder / kPlacing)) return;
   throw FileError(folder.string() +

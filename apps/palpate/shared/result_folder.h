@@ -95,6 +95,10 @@ class ResultFolder {
   std::optional<FolderLock> lock_;
 };
 
+/// Where an unfinished run into a folder that is kept has written: into a hidden folder in it, or
+/// into the folder itself.
+[[nodiscard]] std::filesystem::path unfinished_place(const std::filesystem::path& folder);
+
 /// Checks, for readers, that the results in `folder` are those of one run.
 /// \throws FileError if a run puts its results in their place, or was killed while it did.
 void check_is_of_one_run(const fs::path& folder);

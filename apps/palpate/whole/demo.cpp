@@ -10,8 +10,8 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
-#include "shared/program.h"
 #include "shared/command_line.h"
+#include "shared/program.h"
 #include "whole/demo.h"
 
 namespace palpate::apps {

@@ -37,6 +37,8 @@ Json to_json(const StepRecord& record) {
           {"inputs", record.inputs},
           {"writes", record.writes},
           {"outputs", record.outputs},
+          {"shards", record.shards},
+          {"jobs", record.jobs},
           {"seconds", record.seconds},
           {"figures", record.figures}};
 }
@@ -48,6 +50,8 @@ StepRecord to_record(const Json& json) {
           .inputs = json.at("inputs"),
           .writes = json.at("writes"),
           .outputs = json.at("outputs"),
+          .shards = json.value("shards", 0),
+          .jobs = json.value("jobs", std::vector<std::string>()),
           .seconds = json.at("seconds"),
           .figures = json.at("figures")};
 }

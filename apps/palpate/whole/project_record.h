@@ -33,6 +33,8 @@ struct StepRecord {
   Fingerprints inputs = {};              ///< before it began
   std::vector<std::string> writes = {};  ///< the files and folders that it should write
   Fingerprints outputs = {};             ///< written files; empty while it runs
+  int shards = 0;                        ///< number of shards of its work; 0: not divided
+  std::vector<std::string> jobs = {};    ///< of Slurm, to which its shards were submitted
   double seconds = 0;
   Json figures = Json::object();
 };

@@ -89,6 +89,7 @@ class CallMaker {
     call.words = words_of(step.command, command, values);
     check(call.words, section);
     call.resuming_words = resuming_words(step, command, values);
+    call.takes_shard = takes_shard(call);
     for (const std::string& name : step.inputs) add_paths(values, name, call.inputs);
     for (const std::string& name : step.outputs) add_paths(values, name, call.outputs);
     check_inputs(call, section);
@@ -222,6 +223,13 @@ class CallMaker {
     std::vector<std::string> words = words_of(step.command, command, values);
     words.emplace_back("--resume");
     return refusal_of(words) ? std::vector<std::string>() : words;
+  }
+
+  bool takes_shard(const StepCall& call) {
+    if (call.step->items.empty()) return false;
+    std::vector<std::string> words = call.words;
+    words.emplace_back("--shard=1/1");
+    return !refusal_of(words);
   }
 
   /// Why the program would refuse these words; nothing if it would not.

@@ -20,6 +20,7 @@ struct StepCall {
   std::vector<std::string> words = {};  ///< "mesh", "range/000000.tiff", "--tolerance=0.2", ...
   /// The call that goes on where an interrupted one has ended; empty if there is none.
   std::vector<std::string> resuming_words = {};
+  bool takes_shard = false;  ///< true if --shard goes with these words
   std::vector<fs::path> inputs = {}, outputs = {};
 };
 

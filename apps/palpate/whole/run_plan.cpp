@@ -10,6 +10,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
+#include "shards/shard_journal.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/words.h"
@@ -26,6 +27,12 @@ json in_utf8(const json& texts) {
 
 bool counts(const fs::path& file) { return !is_hidden(file) && file.extension() != ".jsonl"; }
 
+/// Journals record when and by which host shards were made.
+bool holds_journals(const fs::path& folder) {
+  return is_there(folder / call_file({}).filename()) &&
+         folder.filename() == call_file({}).parent_path();
+}
+
 void add_file(const fs::path& file, Fingerprints& files) {
   files[in_utf8(file.generic_string())] = fingerprint(file);
 }
@@ -34,7 +41,7 @@ void add_folder(const fs::path& folder, Fingerprints& files) {
   for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator();
        ++at) {
     if (at->is_directory()) {
-      if (is_hidden(at->path())) at.disable_recursion_pending();
+      if (is_hidden(at->path()) || holds_journals(at->path())) at.disable_recursion_pending();
     } else if (at->is_regular_file() && counts(at->path())) {
       add_file(at->path(), files);
     }

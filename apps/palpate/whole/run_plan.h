@@ -10,9 +10,10 @@
 
 namespace palpate::apps {
 
-/// Reads files, and all files in folders. Hidden files and records (.jsonl), which hold times, do
-/// not count. Beside a range map, what its command reads too: the rig, and the files that `palpate
-/// decode` writes for the same frame. Paths that do not exist are left out.
+/// Reads files, and all files in folders. Hidden files do not count, nor do records (.jsonl) and
+/// journals of shards, which hold times. Beside a range map, what its command reads too: the rig,
+/// and the files that `palpate decode` writes for the same frame. Paths that do not exist are left
+/// out.
 [[nodiscard]] Fingerprints fingerprints_of(const std::vector<fs::path>& paths);
 
 /// Why a step is to be done that was done, or begun, before: in words, the most important first;

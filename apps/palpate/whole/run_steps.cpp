@@ -44,6 +44,7 @@ const std::vector<ProjectStep>& table() {
        .outputs = {"output"},
        .result = "range",
        .feeds = {{"colors", {{"colors", "output"}}, {"multishot", "anchor"}}},
+       .items = "frames",
        .main_figure =
            [](const Json& f) {
              return fmt::format("{} of {} frames", f.at("decoded").dump(), f.at("frames").dump());
@@ -54,6 +55,7 @@ const std::vector<ProjectStep>& table() {
        .outputs = {"output", "picture"},
        .result = "surface.ply",
        .feeds = {{"range", {{"decode", "output", "000000.tiff"}}, {}}},
+       .items = "range",
        .main_figure = figure_of_mesh},
       {.name = "plan",
        .command = {"probe", "plan"},

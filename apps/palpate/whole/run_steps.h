@@ -35,6 +35,8 @@ struct ProjectStep {
   /// Entries of which one gives the main output its ending; it then has the name of the input.
   std::vector<std::string> formats = {};
   std::vector<Feed> feeds = {};
+  /// The entry that names the items which --shard divides; empty: the work cannot be divided.
+  std::string items = {};
   /// The output holds measurements, which are never replaced; 'probe resume' goes on with them.
   bool measures = false;
   /// The figure to print of what the command says with --json.
