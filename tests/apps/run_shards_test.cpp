@@ -77,7 +77,7 @@ class RunShards : public ::testing::Test {
     return files;
   }
 
-  /// What the record knows of the content of a step's results, by their names.
+  /// Fingerprints in the record of the content of a step's results, by their names.
   std::map<std::string, json> fingerprints(const std::string& output,
                                            const std::string& step) const {
     std::map<std::string, json> found;

@@ -46,7 +46,7 @@ struct ShardCall {
   /// What the results depend on besides the items: the number of shards, the list of the items, the
   /// version, and the options by their names, with fingerprints of the files that they name.
   Json settings;
-  Json record = {};  ///< what the command needs besides when shards are merged
+  Json record = {};  ///< further data that the command needs to merge shards
 };
 
 /// Describes a call that was parsed.

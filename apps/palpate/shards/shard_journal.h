@@ -31,12 +31,12 @@ struct ShardFile {
 struct ShardItem {
   std::size_t number = 0;  ///< in the list of all items, from 0
   std::string name;
-  std::string error;  ///< why there is no result; empty if there is one
+  std::string error;  ///< reason if there is no result; empty if there is one
   std::vector<ShardFile> inputs, outputs;
   Json result;  ///< the figures of the command
 };
 
-/// What a shard has done, where and when.
+/// The work of a shard, with place and time.
 // NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct ShardJournal {
   Shard shard;

@@ -15,7 +15,7 @@ struct ShardMergeOptions {
   bool force = false;          ///< accept results that the command doubts
 };
 
-/// What was merged.
+/// The merged items.
 struct MergedShards {
   std::vector<Shard> missing;
   double seconds = 0;  ///< that all shards took together

@@ -42,7 +42,7 @@ std::string utc_time() {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(now)));
 }
 
-/// Whether a file has the size, and an input also the time, that a journal states.
+/// Returns true if a file has the size, and an input also the time, that a journal states.
 bool is_as_it_was(const ShardFile& file, const fs::path& folder) {
   std::error_code missing;
   const fs::path path = folder / file.path;
@@ -73,7 +73,7 @@ bool has_shards_of(const ShardCall& call) {
   return true;
 }
 
-/// How often Slurm has put the job of this process back into its queue.
+/// Number of times that Slurm has put the job of this process back into its queue.
 int restarts() {
   const char* const text = std::getenv("SLURM_RESTART_COUNT");
   int count = 0;

@@ -37,7 +37,7 @@ class ShardRun {
   ShardRun(const ShardCall& call, const Shard& shard, const List& list,
            const std::function<void()>& write_common);
 
-  /// Whether an earlier run has finished this shard, and its inputs and outputs are as they were.
+  /// True if an earlier run has finished this shard, and its inputs and outputs are unchanged.
   [[nodiscard]] bool is_finished() const { return finished_; }
 
   /// Adds an item. In the order of the items.

@@ -7,7 +7,7 @@
 
 namespace palpate::apps {
 
-/// What became of a program that was run.
+/// The outcome of a program that was run.
 struct ChildResult {
   int status = 0;  ///< its exit status; 128 + n after signal n
   std::string out, err;

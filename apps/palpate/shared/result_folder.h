@@ -65,10 +65,10 @@ class ResultFolder {
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
-  /// Where this run writes its files.
+  /// The folder into which this run writes its files.
   [[nodiscard]] const fs::path& place() const { return place_; }
 
-  /// Whether results of an earlier run are in the folder, which `finish` replaces.
+  /// True if the folder has results of an earlier run, which `finish` replaces.
   [[nodiscard]] bool replaces() const { return place_ != folder_; }
 
   /// What the folder holds if this run ends now, for a message: "12 of 60 frames are finished and

@@ -36,13 +36,13 @@ struct RunProjectCall {
   ShardOptions shards;
 };
 
-/// What became of a step.
+/// The outcome of a step.
 struct StepOutcome {
   std::string step;
   /// done, unchanged, failed; of a dry run due, depends, unchanged; of a look at the status done,
   /// failed, running, interrupted, missing
   std::string status;
-  std::string reason = {};                   ///< why it is, or was, to be done
+  std::string reason = {};                   ///< the reason for doing it
   double seconds = 0;                        ///< in which it was done; 0 if it was not
   Json figures = {};                         ///< of its command; null if there are none
   std::optional<ShardProgress> shards = {};  ///< of a look at the status
@@ -190,7 +190,7 @@ StepOutcome do_step(const StepCall& call, const std::string& reason, StepRecord 
           .figures = now.figures};
 }
 
-/// What becomes of a step that is planned like this, once all earlier ones are done.
+/// Settles a step that is planned like this, once all earlier ones are done.
 /// \param plan gets the reason, also if the step fails.
 StepOutcome settle(const StepCall& call, StepPlan& plan, ProjectRecord& record,
                    const ShardOptions& options) {
@@ -232,7 +232,7 @@ void tell_plans(const std::vector<StepCall>& calls, const std::vector<StepPlan>&
   report.finish();
 }
 
-/// What has become of the steps so far, by the record alone.
+/// Prints the state of the steps, by the record alone.
 /// \param at_work whether a run is doing one of them, \param logs see `ShardOptions`.
 void tell_status(const std::vector<StepCall>& calls, const ProjectRecord& record, bool at_work,
                  const fs::path& logs, RunReport& report) {

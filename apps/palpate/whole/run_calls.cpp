@@ -29,7 +29,7 @@ std::string unknown(const std::string& word, const std::vector<std::string>& kno
                  : fmt::format("{}: is unknown; expected {}", word, fmt::join(known, ", "));
 }
 
-/// Whether a message names an option, and not one whose name is longer.
+/// Returns true if a message names an option, and not one with a longer name.
 bool names_option(const std::string& message, const std::string& option) {
   const std::size_t at = message.find(option);
   if (at == std::string::npos) return false;
@@ -165,7 +165,7 @@ class CallMaker {
     }
   }
 
-  /// What an earlier step makes is in the folder of the results.
+  /// The results of an earlier step are in the folder of the results.
   [[nodiscard]] fs::path place_of_input(const fs::path& path) const {
     const fs::path in_results = (results_ / path).lexically_normal();
     return is_made(in_results) ? in_results : path;
@@ -232,7 +232,7 @@ class CallMaker {
     return !refusal_of(words);
   }
 
-  /// Why the program would refuse these words; nothing if it would not.
+  /// The reason for which the program would refuse these words, if any.
   std::optional<std::string> refusal_of(const std::vector<std::string>& words) {
     std::vector<std::string> left = reversed(words);
     try {

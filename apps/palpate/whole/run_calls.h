@@ -39,7 +39,7 @@ struct StepCall {
 /// \throws what the command throws.
 Json run_call(const std::vector<std::string>& words);
 
-/// Whether a path is `folder`, or lies in it.
+/// Returns true if a path is `folder`, or lies in it.
 [[nodiscard]] bool lies_in(const fs::path& path, const fs::path& folder);
 
 }  // namespace palpate::apps

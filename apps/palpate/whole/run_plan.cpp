@@ -48,7 +48,7 @@ void add_folder(const fs::path& folder, Fingerprints& files) {
   }
 }
 
-/// What is read with a range map.
+/// Files that are read with a range map.
 std::vector<fs::path> files_beside(const fs::path& file) {
   if (!is_range_map(file)) return {};
   std::vector<fs::path> beside = {file.parent_path() / "rig.yaml"};
@@ -90,7 +90,7 @@ void compare_files(const Fingerprints& before, const Fingerprints& now,
     if (!now.contains(path)) changes.push_back(path + " is gone");
 }
 
-/// What a step is done with.
+/// Compares version, settings and inputs of a step.
 std::vector<std::string> causes(const StepRecord& before, const StepRecord& now) {
   std::vector<std::string> changes;
   if (before.version != now.version)

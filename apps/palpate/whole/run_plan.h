@@ -24,7 +24,7 @@ namespace palpate::apps {
                                                      const StepRecord& now,
                                                      const Fingerprints& there);
 
-/// Whether nothing has changed since a step began that is not done.
+/// Returns true if nothing has changed since an unfinished step began.
 [[nodiscard]] bool can_be_resumed(const StepRecord& before, const StepRecord& now);
 
 /// Checks that all files where a step would write are as `palpate run` has left them.
@@ -32,7 +32,7 @@ namespace palpate::apps {
 /// \throws InvalidInput that names the first that is not, and what to do.
 void check_own(const std::string& step, const StepRecord* before, const Fingerprints& there);
 
-/// Whether a step is to be done.
+/// The need to do a step.
 enum class StepNeed {
   none,     ///< nothing has changed
   due,      ///< it must be done
@@ -44,10 +44,10 @@ struct StepPlan {
   std::string reason = {};  ///< in words
 };
 
-/// What a step would be done with now.
+/// The version, settings and inputs of a step as they are now.
 [[nodiscard]] StepRecord now_of(const StepCall& call);
 
-/// Whether a step is to be done, once all earlier ones are.
+/// Plans a step, for the time when all earlier ones are done.
 /// \throws InvalidInput if it would replace what `palpate run` did not write, or measurements.
 [[nodiscard]] StepPlan plan_step(const StepCall& call, const StepRecord* before,
                                  const StepRecord& now);

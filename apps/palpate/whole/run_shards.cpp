@@ -31,7 +31,7 @@ struct ShardedStep {
   fs::path place;   ///< into which the shards write: the folder, or a hidden one in it
 };
 
-/// What a step with shards has written into a folder, relative to it.
+/// Files that a step with shards has written into a folder, relative to it.
 std::vector<fs::path> results_in(const fs::path& folder) {
   std::vector<fs::path> results;
   for (auto at = fs::recursive_directory_iterator(folder); at != fs::recursive_directory_iterator();
@@ -96,13 +96,13 @@ void do_locally(const ShardedStep& step) {
   if (!failed.empty()) refuse_failures(step, failed, "", reason);
 }
 
-/// How many shards have a journal.
+/// Number of shards that have a journal.
 int count_journals(const fs::path& place) {
   const std::vector<fs::path> files = shard_files(place);
   return static_cast<int>(std::ranges::count(files, fs::path(".jsonl"), &fs::path::extension));
 }
 
-/// Why a shard failed, as far as its log tells.
+/// The reason for which a shard failed, as far as its log shows it.
 std::string reason_of(int index, const fs::path& logs, const std::vector<std::string>& jobs) {
   const std::map<int, ShardLog> all = logs_of_shards(logs, jobs);
   const auto log = all.find(index);
@@ -141,8 +141,8 @@ void do_on_slurm(const ShardedStep& step, const ShardOptions& options,
     refuse_failures(step, failed, " on Slurm", reason_of(failed.front(), shards.logs, jobs));
 }
 
-/// Where the shards of a run write that goes on. A run that was killed while it put its results in
-/// their place is completed.
+/// The folder into which the shards of a resumed run write. A run that was killed while it put its
+/// results in their place is completed.
 fs::path place_of_shards(const fs::path& folder) {
   return ResultFolder(folder, results_in, ResultFolder::Unfinished::resumed).place();
 }

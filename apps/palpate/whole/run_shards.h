@@ -13,10 +13,10 @@
 
 namespace palpate::apps {
 
-/// Where shards are done.
+/// The place where shards run.
 enum class ShardExecutor { local, slurm };
 
-/// How `palpate run` divides the work of steps.
+/// Options of `palpate run` for dividing the work of steps.
 struct ShardOptions {
   std::optional<int>
       count;  ///< of shards; nothing: work that was not divided before is not divided

@@ -13,7 +13,7 @@
 
 namespace palpate::apps {
 
-/// How far the shards of a step are that is not done.
+/// Progress of the shards of an unfinished step.
 struct ShardProgress {
   int count = 0;
   std::vector<int> missing = {};         ///< those that are not finished
@@ -21,7 +21,7 @@ struct ShardProgress {
   /// Those missing that have a log of Slurm, but are not in its queue any more; and these logs.
   std::vector<int> failed = {};
   std::vector<fs::path> logs = {};
-  int restarts = 0;  ///< how often Slurm queued jobs of finished shards again
+  int restarts = 0;  ///< number of times that Slurm requeued finished shards
   /// Items per second of one process, over the finished shards; nullopt if these had no items.
   std::optional<double> rate = {};
   /// In which the processes that are at work, or a single one, do the missing shards.

@@ -39,7 +39,7 @@ struct SlurmTask {
   friend bool operator==(const SlurmTask&, const SlurmTask&) = default;
 };
 
-/// What is in the queue of Slurm.
+/// Content of the queue of Slurm.
 struct SlurmQueue {
   std::vector<SlurmTask> running = {}, waiting = {};
 };
@@ -55,7 +55,7 @@ struct SlurmQueue {
 void wait_for_jobs(const std::vector<std::string>& jobs, const std::string& step, int count,
                    const std::function<int()>& finished);
 
-/// What a shard has printed.
+/// Output that a shard has printed.
 struct ShardLog {
   SlurmTask task;
   fs::path file;

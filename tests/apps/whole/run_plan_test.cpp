@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What is to be done of a project, without doing it.
+// Plans of projects, without doing their steps.
 #include "whole/run_plan.h"
 
 #include <gmock/gmock.h>
@@ -71,7 +71,7 @@ TEST(RunChanges, AStepIsResumedOnlyWithTheSameInputsAndEntries) {
   EXPECT_FALSE(can_be_resumed(begun, other));
 }
 
-/// What is said of outputs that are there; empty if they may be replaced.
+/// The refusal of outputs that are there; empty if they may be replaced.
 std::string refusal(const StepRecord* before, const Fingerprints& there) {
   try {
     check_own("mesh", before, there);
@@ -127,7 +127,7 @@ class RunPlan : public ::testing::Test {
     record.put(step.step->name, now);
   }
 
-  /// What is needed, as "due: in changed".
+  /// The need and its reason, as "due: in changed".
   std::vector<std::string> needs() const {
     std::vector<std::string> words;
     for (const StepPlan& plan : plan_steps(calls, record)) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// What needs no Slurm; run_shards_test.cpp submits to one that is played, tests/cluster to a real
-// one.
+// Functions that need no Slurm; run_shards_test.cpp submits to one that is played, tests/cluster to
+// a real one.
 #include "whole/slurm.h"
 
 #include <gtest/gtest.h>
