@@ -201,5 +201,14 @@ TEST_F(MeshAttributes, TheTextureOfAnObjGoesThroughAllStepsButRemeshing) {
       geometry::corner_texture(sheet.triangle_attributes)->coordinates);
 }
 
+TEST_F(MeshAttributes, ASurfaceThatWouldTearKeepsMoreTrianglesThanAskedForAndSaysSo) {
+  write_text(scratch / "tetrahedron.off",
+             "OFF\n4 4 0\n0 0 0\n10 0 0\n0 10 0\n0 0 10\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n");
+  const CommandResult result = run_palpate(
+      {"mesh", scratch / "tetrahedron.off", "--max-triangles", "2", "-o", scratch / "out.ply"});
+  EXPECT_EQ(result.status, kDone) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("4 triangles are left, not 2 (--max-triangles)"));
+}
+
 }  // namespace
 }  // namespace palpate::apps

@@ -252,6 +252,12 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
         "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm (verified)\n",
         made.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
   }
+  if (options.max_triangles && decimated.mesh.triangles.cols() > *options.max_triangles) {
+    spdlog::warn(
+        "{}: {} triangles are left, not {} (--max-triangles): to remove more would fold or tear "
+        "the surface. --remesh makes larger triangles",
+        input.string(), decimated.mesh.triangles.cols(), *options.max_triangles);
+  }
   made.attributes = geometry::selected_attributes(made.attributes, decimated.source);
   made.mesh = std::move(decimated.mesh);
 }
