@@ -8,6 +8,7 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+from unittest import mock
 
 import nbformat
 from nbclient import NotebookClient
@@ -33,8 +34,9 @@ def run(path):
     with tempfile.TemporaryDirectory() as home:  # no settings of the user, and nothing left behind
         settings = {"IPYTHONDIR": home, "JUPYTER_CONFIG_DIR": home, "JUPYTER_RUNTIME_DIR": home,
                     "MPLBACKEND": "module://matplotlib_inline.backend_inline"}
-        NotebookClient(notebook, timeout=LONGEST_CELL, record_timing=False, kernel_name="python3",
-                       resources={"metadata": {"path": str(path.parent)}}).execute(env=os.environ | settings)
+        with mock.patch.dict(os.environ, settings):
+            NotebookClient(notebook, timeout=LONGEST_CELL, record_timing=False, kernel_name="python3",
+                           resources={"metadata": {"path": str(path.parent)}}).execute()
     notebook.metadata.language_info = {"name": "python"}
     for cell in notebook.cells:
         if cell.cell_type == "code":
