@@ -83,7 +83,7 @@ def add_axes(figure, left, bottom, width, height, title, pad=6):
 
 
 def set_lines(axis, lines, texts=()):
-    """A y axis with one line for each of so many, from top to bottom, and texts at its left; quicker than ticks."""
+    """Gives a plot this number of lines, from top to bottom, with texts at the left; quicker than ticks."""
     axis.set_xlim(axis.get_xlim())  # as the points need
     axis.set_yticks([])
     axis.set_ylim(lines - 0.4, -0.6)

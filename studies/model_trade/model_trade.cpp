@@ -150,9 +150,10 @@ int main(int count, char** arguments) try {
   std::filesystem::path csv = "trade-model.csv";
   app.add_option("-o,--output", csv, "The same figures as CSV");
   unsigned sharing = 0;
-  app.add_option("--sharing", sharing,
-                 "In place of all that: what a local part that contacts share is worth, on so many "
-                 "objects of each kind");
+  app.add_option(
+      "--sharing", sharing,
+      "Instead: the value of a local part that contacts share, on this number of objects "
+      "of each kind");
   bool pressing = false;
   bool stated = false;
   app.add_flag("--stated-errors", stated,

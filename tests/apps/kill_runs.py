@@ -8,8 +8,8 @@ as a whole; while one replaces the other, the marker that keeps readers away mus
 one. Where there was no earlier run, the files that are there must be whole. Then the same call, or its continuation,
 must succeed, give what a run gives that was never killed, and leave nothing else.
 
-A campaign of `probe run` is killed, resumed and killed again until it ends, and then begun anew, until so many runs were
-killed at work. After each kill, all trials that a reader saw before must be there, and what is there must be, to the last
+A campaign of `probe run` is killed, resumed and killed again until it ends, and then started again, until the given number of
+runs was killed at work. After each kill, all trials that a reader saw before must be there, and what is there must be, to the last
 bit, what a campaign that was never killed stored up to there: nothing but the trial in flight is lost.
 
 A campaign on a file system that becomes full (a small tmpfs, in a mount namespace of its own) must end with a message
@@ -207,7 +207,7 @@ class Probe(Command):
             return process.wait() == -signal.SIGKILL, len(seen[0]) if seen else 0
 
     def check(self, kills, moments):
-        """Kills so many runs at work. Returns their number, and that of the campaigns they were of."""
+        """Kills this number of runs at work. Returns their number, and that of the campaigns they were of."""
         start = time.monotonic()
         whole = self.figures(*self.call("run"))
         seconds = time.monotonic() - start
@@ -292,7 +292,7 @@ def check_whole(command, after):
 
 
 def check_command(command, kills, moments):
-    """Kills the command so many times. Returns how many of the runs were still at work."""
+    """Kills the command this number of times. Returns how many of the runs were still at work."""
     results, seconds = [], 0
     for version in (0, 1):
         start = time.monotonic()

@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "shared/child_process.h"
 #include "shared/inputs.h"
 #include "shared/interrupts.h"
@@ -120,7 +121,9 @@ std::optional<SlurmQueue> queue_of(const std::vector<std::string>& jobs) {
   std::istringstream entries(lines);
   for (std::string job, index, state; entries >> job >> index >> state;) {
     if (std::ranges::find(jobs, job) == jobs.end()) continue;
-    (state == "PD" ? queue.waiting : queue.running).push_back({job, std::stoi(index)});
+    const auto number = parse_number<int>(index);
+    if (!number) return std::nullopt;  // no answer that is understood
+    (state == "PD" ? queue.waiting : queue.running).push_back({job, *number});
   }
   return queue;
 }

@@ -23,7 +23,7 @@ struct LitGrid {
 /// Finds where a flat board is lit from the images of a Gray code, to a hundredth of a pixel.
 ///
 /// Between two camera pixels at which the order of an image and its inverse changes, there is the
-/// border of two pixels of the panel, whatever the colour of the board. All such crossings within a
+/// border of two pixels of the panel, for a board of any colour. All such crossings within one
 /// cell are compared with a smooth map from camera to panel (a homography with cubic corrections),
 /// and their robust weighted mean is one point. Pixels beside edges of the board's print or of the
 /// light are left out, because blur moves the crossings there. Their move by blur where the light
