@@ -12,7 +12,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <numbers>
@@ -174,7 +173,7 @@ Body board_at(const Eigen::Isometry3d& T_camera_board, double square) {
   return body;
 }
 
-RigView photographed(const Setup& setup, const Eigen::Isometry3d& pose, std::uint64_t seed) {
+RigView photographed(const Setup& setup, const Eigen::Isometry3d& pose, unsigned seed) {
   const Rig& rig = setup.rig;
   const ImageSize panel{rig.projector.width, rig.projector.height};
   std::vector<cv::Mat> panels = draw_gray_code(panel);
@@ -271,7 +270,7 @@ void run(unsigned seed, std::map<std::string, Sums>& sums) {
     std::vector<RigView> views;
     double nearest = 1e9, farthest = 0;
     for (const Eigen::Isometry3d& pose : poses(setup, seed)) {
-      views.push_back(photographed(setup, pose, 100 * seed + views.size()));
+      views.push_back(photographed(setup, pose, 100 * seed + static_cast<unsigned>(views.size())));
       views.back().name = fmt::format("pose {}", views.size());
       nearest = std::min(nearest, pose.translation().z());
       farthest = std::max(farthest, pose.translation().z());
