@@ -17,6 +17,7 @@
 #include "files/storage_file.h"
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
+#include "palpate/core/require.h"
 #include "setup/lens_entry.h"
 
 namespace palpate::sensing {
@@ -171,6 +172,9 @@ CameraFile read_ros(const StorageFile& file) {
   return read;
 }
 
+/// [mm] For the units a metre of `depth_scale`.
+constexpr double kMetre = 1000;
+
 CameraFile read_open3d(const StorageFile& file) {
   const YAML::Node map =
       has(file.root(), "intrinsic_matrix") ? file.root() : map_at(file, "intrinsic");
@@ -186,7 +190,6 @@ CameraFile read_open3d(const StorageFile& file) {
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = columns[i % 3 * 3 + i / 3];
   set_matrix(file, key, rows, "", read.camera);
   if (!has(map, "depth_scale")) return read;
-  constexpr double kMetre = 1000;  // mm
   const double units = file.number(map["depth_scale"], "depth_scale");
   if (!(units > 0))
     file.fail("depth_scale", fmt::format("is {:g} units a metre; it must be > 0", units));
@@ -328,6 +331,24 @@ void write_camera(const std::filesystem::path& path, const geometry::Camera& cam
   write_lens(storage, "camera", camera);
   const std::string text = storage.releaseAndGetString();
   write_file(path, [&](std::ostream& out) { out << text; });
+}
+
+void write_open3d_camera(const std::filesystem::path& path, const geometry::Camera& camera,
+                         double mm_per_unit) {
+  geometry::check_camera(camera, "write_open3d_camera");
+  require("write_open3d_camera(): mm_per_unit", mm_per_unit, above(0).finite(), "mm");
+  if (!all_zero(camera.distortion)) {
+    throw InvalidInput(path.string() +
+                       ": the camera has a lens distortion, which this format does not hold; "
+                       "undistort the images, and pass the camera of those");
+  }
+  write_file(path, [&](std::ostream& out) {
+    out << fmt::format(
+        "{{\n  \"width\": {},\n  \"height\": {},\n  \"intrinsic_matrix\": "
+        "[{}, 0, 0, 0, {}, 0, {}, {}, 1],\n  \"depth_scale\": {}\n}}\n",
+        camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy,
+        kMetre / mm_per_unit);
+  });
 }
 
 CameraFile CameraFiles::read(const std::filesystem::path& path) {

@@ -54,5 +54,46 @@ TEST(DepthImage, RefusesWrongTypeSizeAndScale) {
   EXPECT_THROW((void)read_depth_image(folder / "d16.png", 1, geometry::Camera{}), InvalidInput);
 }
 
+TEST(DepthImage, IsWrittenWithinHalfAUnitOfEachDepth) {
+  const ScratchFolder folder;
+  constexpr double kUnit = 0.1;
+  geometry::ImageF z(3, 4);
+  z << 0.05F, 0.1F, 6553.5F, 700.049F, 700.051F, 1234.567F, 400, 6553.46F,  //
+      std::numeric_limits<float>::quiet_NaN(), 0, -3, std::numeric_limits<float>::infinity();
+  write_depth_image(folder / "d.png", z, kUnit);
+  const cv::Mat image = cv::imread((folder / "d.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(image.type(), CV_16UC1);
+  EXPECT_EQ(image.at<ushort>(0, 2), 65535);
+  EXPECT_EQ(image.at<ushort>(0, 3), 7000);
+  EXPECT_EQ(image.at<ushort>(1, 0), 7001);
+  const geometry::RangeMap read = read_depth_image(folder / "d.png", kUnit, camera_of(4, 3));
+  for (int row = 0; row < 2; ++row) {
+    for (int col = 0; col < 4; ++col)
+      EXPECT_NEAR(read.z(row, col), z(row, col), kUnit / 2 * (1 + 1e-3)) << row << ' ' << col;
+  }
+  EXPECT_EQ(cv::countNonZero(image.row(2)), 0);
+  EXPECT_TRUE(read.z.row(2).isNaN().all());
+}
+
+TEST(DepthImage, IsNotWrittenIfDepthsDoNotFitAndSaysWhichUnitDoes) {
+  const ScratchFolder folder;
+  const auto refusal = [&](float depth, double unit) {
+    return message_of<InvalidInput>([&] {
+      write_depth_image(folder / "d.png", geometry::ImageF::Constant(2, 2, depth), unit);
+    });
+  };
+  EXPECT_NE(refusal(7000, 0.1).find("a depth of 7000 mm is beyond 16 bits with units of 0.1 mm, "
+                                    "which reach 6553.5 mm; units of 0.2 mm are long enough"),
+            std::string::npos);
+  EXPECT_NE(refusal(80'000, 1).find("units of 2 mm are long"), std::string::npos);
+  EXPECT_NE(refusal(0.2F, 1).find("units of at most 0.2 mm are short enough"), std::string::npos);
+  EXPECT_FALSE(refusal(700, 0).empty());
+  EXPECT_FALSE(
+      message_of<InvalidInput>([&] { write_depth_image(folder / "d.png", {}, 1); }).empty());
+  EXPECT_FALSE(std::filesystem::exists(folder / "d.png"));
+  write_depth_image(folder / "d.png", geometry::ImageF::Constant(2, 2, 7000), 0.2);
+  EXPECT_TRUE(std::filesystem::exists(folder / "d.png"));
+}
+
 }  // namespace
 }  // namespace palpate::sensing

@@ -195,6 +195,28 @@ TEST(CameraFile, KnowsTheUnitOfTheDepthsThatOpen3dRecords) {
   expect_refused(start + "0," + kOpen3d.substr(1), "depth_scale: is 0 units a metre");
 }
 
+TEST(CameraFile, IsWrittenForOpen3dAndReadBackExactly) {
+  const ScratchFolder folder;
+  Camera camera{.width = 640, .height = 480, .fx = 600.1, .fy = 1e3 / 3, .cx = 319.7, .cy = -12.25};
+  write_open3d_camera(folder / "camera.json", camera, 0.1);
+  const CameraFile read = read_camera_file(folder / "camera.json");
+  EXPECT_EQ(read.format, CameraFileFormat::open3d);
+  EXPECT_EQ(read.camera.width, camera.width);
+  EXPECT_EQ(read.camera.height, camera.height);
+  EXPECT_EQ(read.camera.fx, camera.fx);
+  EXPECT_EQ(read.camera.fy, camera.fy);
+  EXPECT_EQ(read.camera.cx, camera.cx);
+  EXPECT_EQ(read.camera.cy, camera.cy);
+  EXPECT_EQ(read.mm_per_unit, 0.1);
+  EXPECT_THROW(write_open3d_camera(folder / "none.json", camera, 0), InvalidInput);
+  EXPECT_THROW(write_open3d_camera(folder / "none.json", Camera{}, 1), InvalidInput);
+  camera.distortion[4] = 1e-9;
+  const std::string message =
+      message_of<InvalidInput>([&] { write_open3d_camera(folder / "none.json", camera, 1); });
+  EXPECT_NE(message.find("none.json: the camera has a lens distortion"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.json"));
+}
+
 TEST(CameraFile, ReadsMessagesAndFilesOfRos) {
   const Camera message = camera_of(kRosMessage, CameraFileFormat::ros);
   expect_pinhole(message);

@@ -62,6 +62,14 @@ struct CameraFile {
 /// \throws InvalidInput if the camera is not valid. \throws OutputError.
 void write_camera(const std::filesystem::path& path, const geometry::Camera& camera);
 
+/// Writes a camera as JSON of Open3D's PinholeCameraIntrinsic, with the key `depth_scale`, units of
+/// its depth images a metre, which Open3D leaves unread here and `read_camera_file` reads.
+/// \param mm_per_unit [mm] length of one unit of its depth images.
+/// \throws InvalidInput if the camera is not valid or has a lens distortion, which this format does
+/// not hold, or unless the unit is finite and > 0. \throws OutputError.
+void write_open3d_camera(const std::filesystem::path& path, const geometry::Camera& camera,
+                         double mm_per_unit);
+
 /// Files of cameras, each of which is read once. Threads may use an object at the same time.
 class CameraFiles {
  public:

@@ -17,6 +17,14 @@ namespace palpate::sensing {
                                                   double mm_per_unit,
                                                   const geometry::Camera& camera);
 
+/// Writes depths as the image of a depth camera, for Open3D, tools of TUM RGB-D and others: PNG of
+/// 16 bit and one channel, 0 where unknown, each depth rounded to whole units.
+/// \throws InvalidInput unless `mm_per_unit` is finite and > 0, if there are no pixels, or if a
+/// known depth becomes 0 or more than 65535 units; the message has a unit that is long or short
+/// enough. \throws OutputError if the file cannot be written.
+void write_depth_image(const std::filesystem::path& path, const geometry::ImageF& z,
+                       double mm_per_unit);
+
 /// The format of the pixels of a PNG file, according to its header.
 struct PngPixels {
   int bits = 0;      ///< of a value
