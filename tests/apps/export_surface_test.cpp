@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
 #include "../haptics/sheet_model.h"
 #include "palpate/geometry/mesh_io.h"
@@ -80,6 +81,94 @@ TEST(ExportSurface, GivesTheColourOfARangeMapAndKeepsThatOfAMesh) {
     }
     EXPECT_EQ(wrong, 0) << name;
   }
+}
+
+TEST(ExportSurface, WritesSeveralFormatsUnderOneName) {
+  const ScratchFolder scratch;
+  const haptics::Model model = haptics::sheet_model();
+  haptics::write_model(scratch / "m", model);
+  const CommandResult done = run_palpate(
+      {"export", scratch / "m", "--obj", "--json", "--ply", "--html", "-o", scratch / "v1.2"});
+  ASSERT_EQ(done.status, kDone) << done.err;
+  for (const std::string ending : {".obj", ".ply"})
+    EXPECT_EQ(geometry::read_mesh(scratch / ("v1.2" + ending)).triangles, model.surface.triangles);
+  ASSERT_EQ(run_palpate({"export", scratch / "m", "--json", "-o", scratch / "one.json"}).status,
+            kDone);
+  EXPECT_EQ(read_text(scratch / "v1.2.json"), read_text(scratch / "one.json"));
+  EXPECT_NE(read_text(scratch / "v1.2.html").find("<html"), std::string::npos);
+  for (const char* ending : {"obj", "ply", "json", "html"})
+    EXPECT_NE(done.out.find("Written to " + scratch / (std::string("v1.2.") + ending)),
+              std::string::npos)
+        << done.out;
+  const auto refusal = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"export", scratch / "m"});
+    const CommandResult refused = run_palpate(options);
+    EXPECT_EQ(refused.status, kWrongCall);
+    return refused.err;
+  };
+  EXPECT_NE(refusal({"--obj", "--ply", "-o", scratch / "n.obj"}).find("choose one without"),
+            std::string::npos);
+  EXPECT_NE(refusal({"--obj", "--material", "sofa", "-o", scratch / "n"})
+                .find("--material: writes a solid"),
+            std::string::npos);
+  EXPECT_NE(refusal({"-o", scratch / "n"}).find("--ply"), std::string::npos);
+  geometry::write_mesh(scratch / "s.ply", model.surface);
+  const CommandResult mesh =
+      run_palpate({"export", scratch / "s.ply", "--obj", "--json", "-o", scratch / "n"});
+  EXPECT_NE(mesh.err.find("is not a model"), std::string::npos);
+  EXPECT_FALSE(fs::exists(scratch / "n.obj"));  // nothing, rather than a part
+}
+
+TEST(ExportSurface, GivesTheSurfaceOfAModelTheForcesOfPresses) {
+  const ScratchFolder scratch;
+  haptics::write_model(scratch / "m", haptics::sheet_model());
+  const CommandResult without =
+      run_palpate({"export", scratch / "m", "--ply", "-o", scratch / "m.ply"});
+  ASSERT_EQ(without.status, kDone) << without.err;
+  EXPECT_NE(without.out.find("without forces: the model does not tell"), std::string::npos);
+  EXPECT_TRUE(geometry::read_mesh_file(scratch / "m.ply").vertex_attributes.empty());
+  const CommandResult pressed = run_palpate(
+      {"export", scratch / "m", "--ply", "--vtk", "--press-depth", "3", "-o", scratch / "pressed"});
+  ASSERT_EQ(pressed.status, kDone) << pressed.err;
+  EXPECT_NE(pressed.out.find("force [N] are those of presses 3 mm deep"), std::string::npos);
+  // f = 4 d / sqrt(d^2 + 100) along the displacement.
+  const geometry::MeshFile file = geometry::read_mesh_file(scratch / "pressed.ply");
+  const auto force = geometry::scalars(file.vertex_attributes, "scalar_force");
+  const auto stiffness = geometry::scalars(file.vertex_attributes, "scalar_stiffness");
+  const auto quality = geometry::scalars(file.vertex_attributes, "quality");
+  ASSERT_TRUE(force && stiffness && quality);
+  Eigen::Index known = 0;
+  for (Eigen::Index i = 0; i < force->size(); ++i) {
+    if (std::isnan((*force)[i])) continue;
+    ++known;
+    EXPECT_NEAR((*force)[i], 12 / std::sqrt(109), 1e-6);
+    EXPECT_NEAR((*stiffness)[i], 400 / std::pow(109, 1.5), 1e-6);
+    EXPECT_EQ((*quality)[i], (*stiffness)[i]);
+  }
+  EXPECT_GT(known, force->size() / 4);
+  const std::string vtk = read_text(scratch / "pressed.vtk");
+  EXPECT_NE(vtk.find("\nstiffness 1 121 float\n"), std::string::npos);
+  EXPECT_NE(vtk.find("\nforce 1 121 float\n"), std::string::npos);
+  const CommandResult obj = run_palpate(
+      {"export", scratch / "m", "--obj", "--press-depth", "3", "-o", scratch / "m.obj"});
+  EXPECT_EQ(obj.status, kWrongCall);
+  EXPECT_NE(obj.err.find("--press-depth: is for the surface of a model"), std::string::npos);
+}
+
+TEST(ExportSurface, NamesTheValuesOfAMeshAsViewersOfPlyReadThem) {
+  const ScratchFolder scratch;
+  geometry::MeshFile file;
+  file.mesh = haptics::sheet_model().surface;
+  const auto count = static_cast<std::size_t>(file.mesh.vertices.cols());
+  file.vertex_attributes = {{"sigma", std::vector<double>(count, 0.25), {}}};
+  geometry::write_mesh_file(scratch / "fused.ply", file);
+  const CommandResult done =
+      run_palpate({"export", scratch / "fused.ply", "--ply", "--vtk", "-o", scratch / "shown"});
+  ASSERT_EQ(done.status, kDone) << done.err;
+  const std::string header = read_text(scratch / "shown.ply");
+  EXPECT_NE(header.find("property double scalar_sigma\nproperty float quality\n"),
+            std::string::npos);
+  EXPECT_NE(read_text(scratch / "shown.vtk").find("\nsigma 1 121 double\n"), std::string::npos);
 }
 
 TEST(ExportSurface, SaysWhatCannotBeExported) {

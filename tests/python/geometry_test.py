@@ -2,15 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Functions on meshes give what geometry says."""
 import copy
+import os
 import pathlib
 import pickle
+import subprocess
 import tempfile
 import unittest
 
 import numpy as np
 
 import palpate
-from shared import DEMO, REPOSITORY, grid
+from shared import DEMO, PAGE, REPOSITORY, grid
+
+
+def export(name, *options):
+    """Runs `palpate export` on a file of the demo, or of another folder."""
+    subprocess.run([os.environ["PALPATE_COMMAND"], "export", DEMO / name, *options], check=True, stdout=subprocess.DEVNULL)
 
 
 def rotation(axis, angle):
@@ -43,6 +50,45 @@ class Files(unittest.TestCase):
         data = reader.GetOutput()
         np.testing.assert_array_equal(vtk_to_numpy(data.GetPoints().GetData()), mesh.vertices)
         np.testing.assert_array_equal(vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3), mesh.triangles)
+
+    def test_numpy_and_open3d_read_exported_depths(self):
+        import open3d
+
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            export("truth/duck.tiff", "--rig", DEMO / "rig.yaml", "--png", "--npy", "-o", folder / "duck")
+            exact = np.load(folder / "duck.npy")
+            image = open3d.io.read_image(str(folder / "duck.png"))
+            camera = open3d.io.read_pinhole_camera_intrinsic(str(folder / "camera_intrinsic.json"))
+        range_map = palpate.read_range_map(DEMO / "truth/duck.tiff", DEMO / "rig.yaml")
+        np.testing.assert_array_equal(exact, range_map.z)
+        units = np.asarray(image)
+        self.assertEqual(units.dtype, np.uint16)
+        np.testing.assert_array_equal(units == 0, np.isnan(exact))
+        self.assertLess(np.nanmax(abs(0.1 * units - exact)), 0.0501)
+        cloud = open3d.geometry.PointCloud.create_from_depth_image(image, camera, depth_scale=10000, depth_trunc=10)
+        v, u = np.nonzero(units)
+        c = camera.intrinsic_matrix
+        rays = np.stack([(u - c[0, 2]) / c[0, 0], (v - c[1, 2]) / c[1, 1], np.ones(len(u))], axis=1)
+        self.assertLess(abs(1000 * np.asarray(cloud.points) - rays * exact[v, u][:, None]).max(), 0.0501)
+
+    def test_vtk_reads_the_forces_of_an_exported_model(self):
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOLegacy import vtkPolyDataReader
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "model.vtk"
+            export(PAGE / "model", "--vtk", "--press-depth", "2", "-o", path)
+            reader = vtkPolyDataReader()
+            reader.SetFileName(str(path))
+            reader.Update()
+        values = reader.GetOutput().GetPointData()
+        model = palpate.read_model(PAGE / "model")
+        force = vtk_to_numpy(values.GetArray("force"))
+        stiffness = vtk_to_numpy(values.GetArray("stiffness"))
+        self.assertEqual(len(force), len(model.surface.vertices))
+        self.assertGreater(np.isfinite(force).sum(), 0)
+        np.testing.assert_array_equal(np.isfinite(force), np.isfinite(stiffness))
 
     def test_a_mesh_can_be_copied_and_sent_to_another_process(self):
         mesh = grid(4, 3, 1 / 3)

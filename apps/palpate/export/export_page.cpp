@@ -25,17 +25,17 @@ struct PageOption {
   const char* name;
   bool given;
   std::vector<PageContent> contents;
-  bool of_surfaces = false;    ///< also of an export without a page
-  bool of_animations = false;  ///< also of an animation
+  bool of_surfaces = false;   ///< also of an export without a page
+  bool of_sequences = false;  ///< also of an export of a folder without a page
 };
 
 std::vector<PageOption> options_of(const PageCall& call) {
   using enum PageContent;
   return {{"--title", !call.title.empty(), {model, range_maps, meshes}},
           {"--unknown-friction", call.unknown_friction.has_value(), {model}},
-          {"--rig", !call.camera.rig.empty(), {range_maps}, true},
-          {"--scale", call.camera.scale.has_value(), {range_maps}, true},
-          {"--intrinsics", !call.camera.intrinsics.empty(), {range_maps}, true},
+          {"--rig", !call.camera.rig.empty(), {range_maps}, true, true},
+          {"--scale", call.camera.scale.has_value(), {range_maps}, true, true},
+          {"--intrinsics", !call.camera.intrinsics.empty(), {range_maps}, true, true},
           {"--every", call.every.has_value(), {range_maps, meshes}, false, true},
           {"--unit", call.meshes.unit.has_value(), {meshes}, true, true}};
 }
@@ -52,16 +52,13 @@ const char* plural_of(PageContent content) {
   return "meshes";
 }
 
-void check_options(const PageCall& call, PageContent content) {
-  for (const PageOption& option : options_of(call)) {
-    if (!option.given || std::ranges::find(option.contents, content) != option.contents.end())
-      continue;
-    std::string kinds;
-    for (const PageContent kind : option.contents)
-      kinds += (kinds.empty() ? "" : " and ") + std::string(plural_of(kind));
-    throw InvalidInput(std::string(option.name) + ": is for " + kinds + "; " + call.input.string() +
-                       " is one of " + plural_of(content) + ".");
-  }
+void check_content(const PageCall& call, const PageOption& option, PageContent content) {
+  if (std::ranges::find(option.contents, content) != option.contents.end()) return;
+  std::string kinds;
+  for (const PageContent kind : option.contents)
+    kinds += (kinds.empty() ? "" : " and ") + std::string(plural_of(kind));
+  throw InvalidInput(std::string(option.name) + ": is for " + kinds + "; " + call.input.string() +
+                     " is one of " + plural_of(content) + ".");
 }
 
 bool holds_range_maps(const fs::path& folder) {
@@ -80,14 +77,14 @@ std::string page_title(const PageCall& call) {
                                   : whole.filename().string();
 }
 
-void write_model_page(const PageCall& call) {
+void write_model_page(const PageCall& call, const fs::path& output) {
   haptics::Model model = haptics::read_model(call.input);
   const double friction = call.unknown_friction.value_or(0);
   check_friction(call.input, haptics::unknown_friction_count(model), friction);
   const std::string page =
       web::model_page(std::move(model), {.title = page_title(call), .unknown_friction = friction},
                       page_template_path("model"));
-  write_file(call.output, [&](std::ostream& file) { file << page; });
+  write_file(output, [&](std::ostream& file) { file << page; });
 }
 
 /// The frames that --every takes, the first one among them.
@@ -98,8 +95,23 @@ std::vector<fs::path> each_nth(const std::vector<fs::path>& files, int every) {
   return taken;
 }
 
-/// The frames of a folder, or the file alone.
-std::vector<fs::path> page_frames(const PageCall& call, PageContent content) {
+}  // namespace
+
+void check_page_options(const PageCall& call, PageContent content, bool is_page, bool is_sequence) {
+  for (const PageOption& option : options_of(call)) {
+    if (!option.given) continue;
+    if (!is_page && !(is_sequence ? option.of_sequences : option.of_surfaces)) {
+      throw InvalidInput(
+          std::string(option.name) + ": is that of a page (--html)" +
+          (option.of_sequences
+               ? ", or of a folder of meshes as --glb, or of range maps as --png or --npy"
+               : ""));
+    }
+    check_content(call, option, content);
+  }
+}
+
+std::vector<fs::path> frames_of(const PageCall& call, PageContent content) {
   const bool folder = is_folder(call.input);
   if (call.every && !folder) {
     throw InvalidInput("--every: is for a folder, whose files are a sequence; " +
@@ -110,19 +122,6 @@ std::vector<fs::path> page_frames(const PageCall& call, PageContent content) {
                                       : folder ? list_meshes(call.input)
                                                : std::vector<fs::path>{call.input};
   return each_nth(files, call.every.value_or(1));
-}
-
-}  // namespace
-
-void check_surface_options(const PageCall& call, PageContent content, bool is_animation) {
-  for (const PageOption& option : options_of(call)) {
-    if (!option.given) continue;
-    if (!(is_animation ? option.of_animations : option.of_surfaces)) {
-      throw InvalidInput(std::string(option.name) + ": is that of a page (--html)" +
-                         (option.of_animations ? " or of a folder of meshes as --glb" : ""));
-    }
-    check_options(call, content);
-  }
 }
 
 PageContent content_of(const fs::path& path) {
@@ -140,26 +139,25 @@ PageContent content_of(const fs::path& path) {
 fs::path usual_name(PageContent content) {
   switch (content) {
     case PageContent::model:
-      return "model.html";
+      return "model";
     case PageContent::range_maps:
-      return "range.html";
+      return "range";
     case PageContent::meshes:
       break;
   }
-  return "mesh.html";
+  return "mesh";
 }
 
-std::string export_page(const PageCall& call, PageContent content) {
-  check_options(call, content);
+std::string export_page(const PageCall& call, PageContent content, const fs::path& output) {
   if (content == PageContent::model) {
-    write_model_page(call);
+    write_model_page(call, output);
     return {};
   }
-  const std::vector<fs::path> files = page_frames(call, content);
+  const std::vector<fs::path> files = frames_of(call, content);
   if (content == PageContent::meshes)
-    return write_mesh_page(call.output, files, call.meshes, page_title(call));
+    return write_mesh_page(output, files, call.meshes, page_title(call));
   check_camera_options(files.front(), call.camera);
-  return write_range_page(call.output, files, call.camera, page_title(call));
+  return write_range_page(output, files, call.camera, page_title(call));
 }
 
 }  // namespace palpate::apps

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "palpate/geometry/mesh_io.h"
 #include "shared/map_camera.h"
@@ -27,17 +28,21 @@ enum class PageContent { model, range_maps, meshes };
 /// errors. \throws FileError if there is no such file, or the folder has none of these.
 [[nodiscard]] PageContent content_of(const fs::path& path);
 
-/// Checks the options of a call without a page.
-/// \param is_animation true if the call writes an animation of a folder.
-/// \throws InvalidInput naming an option that is only for pages, or not for this content.
-void check_surface_options(const PageCall& call, PageContent content, bool is_animation);
+/// Checks the options of a call.
+/// \param is_page true if a page is among what the call writes.
+/// \param is_sequence true if the call writes all meshes or range maps of a folder otherwise.
+/// \throws InvalidInput naming an option that is for nothing of it, or not for this content.
+void check_page_options(const PageCall& call, PageContent content, bool is_page, bool is_sequence);
 
-/// model.html, range.html or mesh.html.
+/// Returns the files of a folder that --every takes, in their order, or the file alone.
+/// \throws InvalidInput if --every is given for one file.
+[[nodiscard]] std::vector<fs::path> frames_of(const PageCall& call, PageContent content);
+
+/// model, range or mesh.
 [[nodiscard]] fs::path usual_name(PageContent content);
 
 /// Writes the page of a model, of range maps or of meshes.
 /// \returns what was written, in words; empty for a model.
-/// \throws InvalidInput also if an option is not for this content.
-std::string export_page(const PageCall& call, PageContent content);
+std::string export_page(const PageCall& call, PageContent content, const fs::path& output);
 
 }  // namespace palpate::apps

@@ -82,6 +82,7 @@ class CallMaker {
     CLI::App& command = *command_of(step.command, program_);
     Values values;
     for (const ProjectEntry& entry : section.entries) take(command, section, entry, values);
+    check_formats(step, section, values);
     feed(step, values);
     require_all(command, section, values);
     StepCall call{.step = &step};
@@ -125,6 +126,18 @@ class CallMaker {
       refuse(section, entry.line,
              fmt::format("{}: is {}; expected true or false", entry.name, first));
     values[entry.name] = entry.values;
+  }
+
+  /// One section has one main output.
+  void check_formats(const ProjectStep& step, const ProjectSection& section,
+                     const Values& values) const {
+    const auto given = std::ranges::count_if(step.formats, [&](const std::string& format) {
+      const auto value = values.find(format);
+      return value != values.end() && !value->second.empty();
+    });
+    if (given > 1) {
+      refuse(section, section.line, fmt::format("has {} formats; a project exports one", given));
+    }
   }
 
   /// Takes the paths that a section names to where they are; adds what earlier steps make, and the

@@ -128,7 +128,7 @@ const std::vector<ProjectStep>& table() {
        .command = {"export"},
        .inputs = {"input", "rig"},
        .outputs = {"output"},
-       .formats = {"ply", "obj", "vtk", "glb", "json", "cbor", "html"},
+       .formats = {"ply", "obj", "vtk", "glb", "png", "npy", "json", "cbor", "html"},
        .feeds =
            {{"input",
              {{"reduce", "output"}, {"fit", "output"}, {"mesh", "output"}, {"decode", "output"}},
