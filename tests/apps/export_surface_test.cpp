@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -169,6 +170,29 @@ TEST(ExportSurface, NamesTheValuesOfAMeshAsViewersOfPlyReadThem) {
   EXPECT_NE(header.find("property double scalar_sigma\nproperty float quality\n"),
             std::string::npos);
   EXPECT_NE(read_text(scratch / "shown.vtk").find("\nsigma 1 121 double\n"), std::string::npos);
+}
+
+TEST(ExportSurface, NamesTheValuesOfPointsToo) {
+  const ScratchFolder scratch;
+  geometry::PointCloud cloud;
+  cloud.points = Eigen::Matrix3Xd::Random(3, 5);
+  cloud.width = 5;
+  cloud.attributes = {{"cluster", std::vector<std::int32_t>{0, 1, 1, -1, 2}, {}}};
+  geometry::write_point_cloud(scratch / "points.pcd", cloud);
+  const CommandResult done =
+      run_palpate({"export", scratch / "points.pcd", "--ply", "-o", scratch / "shown.ply"});
+  ASSERT_EQ(done.status, kDone) << done.err;
+  const geometry::PointCloud read = geometry::read_point_cloud(scratch / "shown.ply");
+  EXPECT_EQ(read.points, cloud.points);
+  ASSERT_EQ(read.attributes.size(), 2U);
+  EXPECT_EQ(read.attributes[0].name, "scalar_cluster");
+  EXPECT_EQ(read.attributes[0].values, cloud.attributes[0].values);
+  EXPECT_EQ(read.attributes[1].name, "quality");
+  const CommandResult obj =
+      run_palpate({"export", scratch / "points.pcd", "--ply", "--obj", "-o", scratch / "none"});
+  EXPECT_EQ(obj.status, kWrongCall);
+  EXPECT_NE(obj.err.find("has points without a surface"), std::string::npos);
+  EXPECT_FALSE(fs::exists(scratch / "none.ply"));
 }
 
 TEST(ExportSurface, SaysWhatCannotBeExported) {

@@ -115,6 +115,13 @@ void check_options(const ExportCall& call, PageContent content, std::span<const 
     throw InvalidInput("--press-depth: is for the surface of a model as --ply or --vtk.");
 }
 
+void check_takes_points(const ExportCall& call, const ExportedSurface& surface) {
+  if (!surface.points || !(call.obj || call.vtk || call.glb)) return;
+  throw InvalidInput(call.page.input.string() +
+                     ": has points without a surface, which are written as --ply; a mesh is needed "
+                     "for --obj, --vtk and --glb.");
+}
+
 void check_ending(const fs::path& output, const std::string& ending) {
   if (output.extension() == ending) return;
   throw InvalidInput(output.string() + ": the output file of this format must end in " + ending +
@@ -177,8 +184,10 @@ Written write_all(const ExportCall& call, PageContent content, std::span<const F
           written.add(file, write_animation(call.page, file, call.rate));
           break;
         }
-        if (!surface)
+        if (!surface) {
           surface = surface_of(call.page, content, call.surface, call.ply || call.vtk, file);
+          check_takes_points(call, *surface);
+        }
         written.add(file, write_surface(file, *surface));
         break;
       case Kind::document:
@@ -246,7 +255,8 @@ void add_export(CLI::App& app, const Settings& settings) {
       "export",
       "Export a model, a mesh, a range map or a solid for other programs, or as a web page");
   add_required(*command, "INPUT", page.input,
-               "Model folder, range map, depth image or mesh; with --html also a folder of "
+               "Model folder, range map, depth image or mesh, with --ply also points; with --html "
+               "also a folder of "
                "range maps, depth images or meshes; with --png and --npy also a folder of range "
                "maps or depth images; with --glb also a folder of meshes with the same triangles; "
                "with --material a specimen file");

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "palpate/geometry/point_file.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/viewer_names.h"
 #include "palpate/haptics/model_io.h"
@@ -59,7 +61,12 @@ ExportedSurface surface_of(const PageCall& call, PageContent content, const Surf
     if (with_presses) return surface_with_presses(model, options.press_depth);
     file.mesh = std::move(model.surface);
   } else if (content == PageContent::meshes) {
-    file = geometry::read_mesh_file(call.input, call.meshes);
+    auto read = geometry::read_mesh_or_points(call.input, call.meshes);
+    if (auto* const points = std::get_if<geometry::PointCloud>(&read)) {
+      surface.points = std::move(*points);
+      return surface;
+    }
+    file = std::get<geometry::MeshFile>(std::move(read));
     file.material_files = seen_from(output, call.input, std::move(file.material_files));
   } else {
     file.mesh = geometry::mesh_range_map(load_range_map(call.input, call.camera)).mesh;
@@ -70,10 +77,14 @@ ExportedSurface surface_of(const PageCall& call, PageContent content, const Surf
 }
 
 std::string write_surface(const fs::path& path, ExportedSurface surface) {
-  geometry::Attributes& attributes = surface.file.vertex_attributes;
+  geometry::Attributes& attributes =
+      surface.points ? surface.points->attributes : surface.file.vertex_attributes;
   const bool is_ply = path.extension() == ".ply";
   if (is_ply) attributes = geometry::with_viewer_names(std::move(attributes));
-  geometry::write_mesh_file(path, surface.file);
+  if (surface.points)
+    geometry::write_point_cloud(path, *surface.points);
+  else
+    geometry::write_mesh_file(path, surface.file);
   return is_ply || path.extension() == ".vtk" ? surface.words : "";
 }
 

@@ -15,20 +15,21 @@ struct SurfaceOptions {
   std::optional<double> press_depth = {};  ///< [mm] of a model; none: `reference_press_depth`
 };
 
-/// A surface to write.
+/// A surface to write, or points without one.
 struct ExportedSurface {
   geometry::MeshFile file;
-  std::string words = {};  ///< about the values at its vertices
+  std::optional<geometry::PointCloud> points = {};  ///< instead of `file`
+  std::string words = {};                           ///< about the values at its vertices
 };
 
-/// Reads the surface of a model, a range map or a mesh.
+/// Reads the surface of a model, a range map or a mesh, or points.
 /// \param with_presses true if a model's surface gets the values of `press_values`.
 /// \param output where it will be, for the names of files that it refers to.
 [[nodiscard]] ExportedSurface surface_of(const PageCall& call, PageContent content,
                                          const SurfaceOptions& options, bool with_presses,
                                          const fs::path& output);
 
-/// Writes it in the format of the ending; PLY with the names that viewers show.
+/// Writes it in the format of the ending, points only as PLY; PLY with the names that viewers show.
 /// \returns its words if the format holds the values.
 std::string write_surface(const fs::path& path, ExportedSurface surface);
 
