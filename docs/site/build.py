@@ -72,14 +72,29 @@ def stage(repository, folder, tags):
     (folder / "reference/cpp.md").write_text(cpp_page(tags))
 
 
+def mend_theme(static):
+    """Debian's theme imports a style sheet from the root of the web server, and a script as only modules may."""
+    styles, scripts = static / "styles", static / "scripts"
+    shutil.copy("/usr/share/javascript/normalize.css/normalize.css", styles)
+    for path, old, new in ((styles / "furo.css", "url(/javascript/normalize.css/normalize.css)", "url(normalize.css)"),
+                           (scripts / "furo.js", 'import Gumshoe from "./gumshoe-patched.js";',
+                            (scripts / "gumshoe-patched.js").read_text())):
+        text = path.read_text()
+        if old not in text:
+            raise SystemExit(f"{path}: has no {old}: the theme has changed")
+        path.write_text(text.replace(old, new))
+
+
 def main(repository, folder):
     tags = make_cpp_reference(repository, folder / "doxygen/cpp")
     stage(repository, folder / "pages", tags)
     shutil.rmtree(folder / "html", ignore_errors=True)
     (folder / "doxygen/index.html").write_text('<meta http-equiv="refresh" content="0; url=README.html">')
-    return subprocess.run([sys.executable, "-B", "-m", "sphinx", "-q", "-W", "--keep-going", "-c", repository / "docs/site",
-                           "-D", f"html_extra_path={folder / 'doxygen'}", "-d", folder / "doctrees", folder / "pages",
-                           folder / "html"]).returncode
+    status = subprocess.run([sys.executable, "-B", "-m", "sphinx", "-q", "-W", "--keep-going", "-c", repository / "docs/site",
+                             "-D", f"html_extra_path={folder / 'doxygen'}", "-d", folder / "doctrees", folder / "pages",
+                             folder / "html"]).returncode
+    mend_theme(folder / "html/_static")
+    return status
 
 
 if __name__ == "__main__":

@@ -57,7 +57,9 @@ def main(repository, folder):
     problems += [f"{name}: is not in the reference" for name in names
                  if name.endswith(".h") and not name.startswith("apps/") and Path(name).name not in listed]
     for path in site.rglob("*.html"):
-        problems += [f"{path}: loads {load}" for load in Elements(path).loads if re.match(r"(\w+:)?//", load)]
+        problems += [f"{path}: loads {load}" for load in Elements(path).loads if re.match(r"(\w+:)?/", load)]
+    for path in site.rglob("*.css"):
+        problems += [f"{path}: loads {load}" for load in re.findall(r"""url\(["']?((?:\w+:)?/[^)"']*)""", path.read_text())]
     print("\n".join(problems) or f"{len(pages)} pages, {len(listed)} headers")
     return bool(problems) or not pages or not listed
 
