@@ -36,14 +36,15 @@ def single(value):
 
 
 def frame(number):
-    """Depths, deviations [mm] and reasons, row by row: a bump before a wall, which moves; without values in a disc and at the left."""
+    """Depths, deviations [mm] and reasons, row by row: a bump before a wall, which moves; without values in a disc and at the left.
+    The last wall is farther away."""
     choose = random.Random(number)
     depths, sigmas, reasons = [], [], []
     for row in range(kHeight):
         for column in range(kWidth):
             bump = 40 * math.exp(-((column - 60 - 20 * number) ** 2 + (row - 50) ** 2) / 500)
             known = column > 4 and math.hypot(column - 120, row - 90) > 15
-            depths.append(single(700 + 0.3 * row - bump + choose.gauss(0, 0.05)) if known else math.nan)
+            depths.append(single((1000 if number == kFrames - 1 else 700) + 0.3 * row - bump + choose.gauss(0, 0.05)) if known else math.nan)
             sigmas.append(single(0.05 + 0.001 * column) if known else math.nan)
             reasons.append(0 if known else 4 if column > 4 else 1)
     return depths, sigmas, reasons

@@ -116,6 +116,24 @@ def check_image(checks, page, save):
     page.evaluate("document.querySelector('[value=depth]').click()")
 
 
+def check_scale(checks, page, frames):
+    """A scale that nobody has set: of each frame where the walls are far apart, of all frames where they are alike."""
+    ends = "['low', 'high'].map((id) => Number(document.getElementById(id).value))"
+    off = 0
+    for number, (depths, _, _) in enumerate(frames):
+        page.evaluate(f"palpate.show({number})")
+        known = sorted(depth for depth in depths if depth == depth)
+        aside = len(known) // 100
+        off = max(off, *(abs(a - b) for a, b in zip(page.evaluate(ends), (known[aside], known[-1 - aside]))))
+    checks.that(off < 0.01, f"the scale of depths is that of the frame, within {off:.4f} mm")
+    page.evaluate("document.querySelector('[value=sigma]').click()")
+    low, high = page.evaluate(ends)
+    for number in range(len(frames)):
+        page.evaluate(f"palpate.show({number})")
+        checks.that(page.evaluate(ends) == [low, high], f"the scale of deviations is the same in frame {number}")
+    page.evaluate("document.querySelector('[value=depth]').click()")
+
+
 def check_playing(checks, page):
     page.evaluate("palpate.show(0)")
     page.evaluate("document.getElementById('speed').value = '25', document.getElementById('play').click()")
@@ -246,6 +264,7 @@ def run(arguments, checks, folder):
         page.open(url)
         page.evaluate("palpate.ready")
         step = check_values(checks, page, frames)
+        check_scale(checks, page, frames)
         check_pointer(checks, page, frames, step)
         check_image(checks, page, save)
         check_playing(checks, page)

@@ -70,6 +70,7 @@
   /** Colours what is seen; the surface has those of the pixels that are its vertices. */
   function paint() {
     if (!frame) return;
+    legend.follow();
     const one = legend.present;
     if (one.words) legend.count(frames.countsOf(frame));
     if (inSpace() && stage) stage.setColors(frames.colorsOf(frame, one, stride).map((color) => color || ColorMap.unknown));

@@ -6,6 +6,7 @@ const Legend = (() => {
   const { element, write } = Page;
 
   const kMostDecimals = 12;
+  const kOwnScale = 0.5;  // of the scale of all frames: a frame with less gets a scale of its own
   /** Decimals that show whole multiples of a step. */
   function decimals(step) {
     let digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
@@ -20,7 +21,7 @@ const Legend = (() => {
    * `quantities`: [{ id, name, unit, step or digits, range: { low, high, min, max }, log }, or { id, name, words } with `words` for
    * labels, or { id, name } for a colour of its own]. `log`: the scale is logarithmic. `single`: there is one frame. changed() is
    * called when another is chosen or a scale is set; fit() returns the range of the frame that is shown. Returns an object with
-   * `present` (the quantity, with its `low` and `high`) and count(labels).
+   * `present` (the quantity, with its `low` and `high`), follow() and count(labels).
    */
   function make({ quantities, single, changed, fit }) {
     const self = { present: quantities[0] };
@@ -55,17 +56,17 @@ const Legend = (() => {
       element('scale').hidden = !one.range;
       element('labels').hidden = !one.words;
       if (!one.range) return;
-      const step = 10 ** -one.digits;
+      const digits = one.log ? one.digits : Math.min(one.digits, threeDigits(one.high - one.low) + 1);
       for (const [input, value] of [[low, one.low], [high, one.high]]) {
-        input.step = step;
-        input.value = value.toFixed(one.digits);
+        input.step = 10 ** -digits;
+        input.value = value.toFixed(digits);
       }
       write('scale-name', `${one.name}${one.unit ? ` [${one.unit}]` : ''}${one.log ? ', logarithmic' : ''}`);
-      write('middle', (one.log ? Math.sqrt(one.low * one.high) : (one.low + one.high) / 2).toFixed(one.digits));
+      write('middle', (one.log ? Math.sqrt(one.low * one.high) : (one.low + one.high) / 2).toFixed(digits));
     }
 
     function setScale(range) {
-      Object.assign(self.present, range);
+      Object.assign(self.present, range, { chosen: true });
       show();
       changed();
     }
@@ -84,6 +85,17 @@ const Legend = (() => {
       for (const input of element('shown').querySelectorAll('input')) input.checked = input.value === id;
       show();
       changed();
+    };
+
+    /** Fits a scale that nobody has set: to the frame that is shown if its values fill little of the scale of all frames. */
+    self.follow = () => {
+      const { range, log, chosen } = self.present;
+      const own = range && !single && !chosen ? fit() : null;
+      if (!own) return;
+      const length = ({ low, high }) => (log ? Math.log(high / low) : high - low);
+      const { low, high } = length(own) < kOwnScale * length(range) ? own : range;
+      Object.assign(self.present, { low, high });
+      show();
     };
 
     /** Lists the labels with their share of `counts`. */
