@@ -75,6 +75,24 @@ foreach(compiler IN LISTS compilers)
   endif()
 endforeach()
 
+# The headers that convert to CGAL and PCL, with the users' own copies of these libraries.
+set(build_dir ${SCRATCH_DIR}/converters)
+run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/converters -B ${build_dir} -DCMAKE_BUILD_TYPE=Release
+    -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
+    -DCMAKE_PREFIX_PATH=${prefix} -DEXAMPLES_DIR=${CMAKE_CURRENT_LIST_DIR}/../../apps/examples)
+run(${CMAKE_COMMAND} --build ${build_dir})
+set(hand ${CMAKE_CURRENT_LIST_DIR}/../../meshes/hand.ply)
+run(${build_dir}/register_with_pcl ${hand})
+if(NOT output MATCHES "points moved by [67]\\.[0-9]+ mm")
+  message(FATAL_ERROR "the installed converters for PCL printed: ${output}")
+endif()
+if(EXISTS ${build_dir}/measure_with_cgal)
+  run(${build_dir}/measure_with_cgal ${hand})
+  if(NOT output MATCHES "vertices at most 0\\.[0-9]+ mm")
+    message(FATAL_ERROR "the installed converters for CGAL printed: ${output}")
+  endif()
+endif()
+
 # 2. A component that is not installed, or does not exist, is named.
 configure_consumer(${CXX} ${prefix} "geometry;probing")
 if(status EQUAL 0 OR NOT output MATCHES "'probing' is not.installed")
@@ -150,7 +168,6 @@ function(decode_video)
   set(status ${status} PARENT_SCOPE)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
-set(hand ${CONSUMER_DIR}/../../../meshes/hand.ply)
 run(${prefix}/bin/palpate compare ${hand} ${hand} --align --method point_to_plane)
 run(${prefix}/bin/palpate compare ${prefix}/share/palpate/demo/truth/plane.tiff ${prefix}/share/palpate/demo/truth/plane.tiff
     --picture ${SCRATCH_DIR}/differences.png)

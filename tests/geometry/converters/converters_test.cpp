@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Simple_cartesian.h>
 #include <gtest/gtest.h>
 
@@ -14,6 +15,7 @@
 #include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/cgal_point_set.h"
 #include "palpate/geometry/cgal_properties.h"
+#include "palpate/geometry/cgal_views.h"
 #include "palpate/geometry/eigen_views.h"
 #include "palpate/geometry/pcl_cloud.h"
 #include "palpate/geometry/range_map_cloud.h"
@@ -165,6 +167,39 @@ TEST(CgalProperties, OfRemovedVerticesAreLeftOut) {
   surface.remove_vertex(first);
   const MeshFile back = mesh_file_of(surface);
   EXPECT_EQ((*scalars(back.vertex_attributes, "depth"))[0], 0.1);
+}
+
+TEST(CgalViews, AreTheMemoryOfTheMapsOfAMesh) {
+  using Exact = CGAL::Exact_predicates_inexact_constructions_kernel;
+  auto surface = to_surface_mesh<Exact::Point_3>(described_torus());
+  const CGAL::SM_Vertex_index seventh(7);
+  const auto points = columns_of(surface.points());
+  EXPECT_EQ(points, described_torus().mesh.vertices);
+  columns_of(surface.points())(2, 7) = 0.7;
+  EXPECT_EQ(surface.point(seventh).z(), 0.7);
+  const auto normal =
+      surface.property_map<CGAL::SM_Vertex_index, Exact::Vector_3>("v:normal").first;
+  EXPECT_EQ(columns_of(normal)(1, 7), normal[seventh].y());
+  auto depth = surface.property_map<CGAL::SM_Vertex_index, double>("v:depth").first;
+  values_of(depth) = points.row(2).transpose();
+  EXPECT_EQ(depth[seventh], 0.7);
+  // Removed vertices have a column until the garbage is collected.
+  surface.remove_vertex(surface.add_vertex(Exact::Point_3(9, 9, 9)));
+  const Eigen::Index count = points.cols();
+  EXPECT_EQ(columns_of(surface.points()).cols(), count + 1);
+  surface.collect_garbage();
+  EXPECT_EQ(columns_of(surface.points()).cols(), count);
+}
+
+TEST(CgalViews, AreTheMemoryOfAPointSet) {
+  CGAL::Point_set_3<Point> set;
+  EXPECT_EQ(columns_of(set.point_map()).cols(), 0);
+  set.insert(Point(0.1, 0.2, 0.3));
+  const auto second = *set.insert(Point(1000.1, 0.7, -4.4));
+  columns_of(set.point_map()).col(1) *= 2;
+  EXPECT_EQ(set.point(second), Point(2000.2, 1.4, -8.8));
+  const auto label = set.add_property_map<std::uint16_t>("label", 3).first;
+  EXPECT_EQ(values_of(label).sum(), 6);
 }
 
 TEST(CgalPointSet, ARoundTripKeepsKnownPointsWithTheirAttributes) {

@@ -14,6 +14,9 @@
 /// \file
 /// Conversion to and from CGAL's Surface_mesh. No other header of Palpate includes this one or
 /// needs CGAL to compile; link CGAL::CGAL yourself.
+///
+/// Both directions copy, since CGAL's triangles are halfedges; `cgal_views.h` has views of points
+/// and property maps.
 namespace palpate::geometry {
 
 /// Converts a mesh. Vertices and triangles keep their order, so indices stay valid.
