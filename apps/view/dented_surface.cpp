@@ -30,6 +30,7 @@ DentedSurface::DentedSurface(const haptics::Model& model, const geometry::Surfac
       options_(haptics::shape_options(model)),
       model_(model),
       query_(query),
+      geodesics_(model.surface),
       deep_(deep),
       least_move_(kLeastMove * geometry::bounding_diagonal(model.surface)) {
   contacts_.resize(3, static_cast<Eigen::Index>(model.contacts.size()));
@@ -88,10 +89,10 @@ void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) 
 VertexRange DentedSurface::deform(const ForceReading& reading) {
   if (!is_recorded()) return shape_.deform(reading.at, reading.displacement, options_);
   if (rule_ == haptics::ShapeRule::nearest) {
-    return shape_.show(
-        haptics::nearest_shape(model_, query_, reading.weights, reading.at, reading.displacement));
+    return shape_.show(haptics::nearest_shape(model_, geodesics_, query_, reading.weights,
+                                              reading.at, reading.displacement));
   }
-  return shape_.show(haptics::measured_shape(shape_.surface(), *model_.response, reading.weights,
+  return shape_.show(haptics::measured_shape(geodesics_, *model_.response, reading.weights,
                                              reading.at, reading.displacement, options_));
 }
 

@@ -42,6 +42,7 @@ class DentedSurface {
   haptics::DrawnShapeOptions options_;
   const haptics::Model& model_;
   const geometry::SurfaceQuery& query_;
+  geometry::GeodesicSurface geodesics_;  // of the undeformed surface
   haptics::ShapeRule rule_ = haptics::ShapeRule::blended;
   bool is_stale_ = false;                                   // the rule has changed
   double deep_, least_move_;                                // [mm]

@@ -14,6 +14,7 @@ struct Player {
   std::shared_ptr<const haptics::Model> model;
   std::shared_ptr<const haptics::BlendedField> field;
   haptics::Playback playback;
+  geometry::GeodesicSurface surface;
   haptics::LoopState state;
 };
 
@@ -41,8 +42,12 @@ palpate_status palpate_player_create(const palpate_model* model, const char* opt
     palpate::haptics::PlaybackOptions playback;
     if (options != nullptr) palpate::assign_words(palpate::fields_of(playback), options);
     const std::shared_ptr<const palpate::haptics::Model>& shared = behind(model)->model;
-    *player = reinterpret_cast<palpate_player*>(new palpate::c::Player{
-        shared, behind(model)->field, palpate::haptics::Playback(*shared, playback), {}});
+    *player = reinterpret_cast<palpate_player*>(
+        new palpate::c::Player{shared,
+                               behind(model)->field,
+                               palpate::haptics::Playback(*shared, playback),
+                               shared->surface,
+                               {}});
   });
 }
 
@@ -84,9 +89,9 @@ palpate_status palpate_player_shape(const palpate_player* player, int32_t rule, 
   }
   return guarded([&] {
     const auto& played = *reinterpret_cast<const palpate::c::Player*>(player);
-    palpate::c::copy_floats(
-        palpate::haptics::displayed_shape(*played.model, *played.field, played.state,
-                                          static_cast<palpate::haptics::ShapeRule>(rule)),
-        xyz, count, "palpate_player_shape");
+    palpate::c::copy_floats(palpate::haptics::displayed_shape(
+                                *played.model, *played.field, played.surface, played.state,
+                                static_cast<palpate::haptics::ShapeRule>(rule)),
+                            xyz, count, "palpate_player_shape");
   });
 }

@@ -231,7 +231,7 @@ Raises InvalidInput.)");
         {
           const Unlocked unlocked;
           shape = haptics::displayed_shape(
-              model, BlendedField(model), state,
+              model, BlendedField(model), model.surface, state,
               nearest ? haptics::ShapeRule::nearest : haptics::ShapeRule::blended);
         }
         return own_rows(std::move(shape));

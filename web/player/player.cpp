@@ -19,7 +19,8 @@ namespace {
 using namespace palpate;
 
 struct Player {
-  explicit Player(haptics::Model from) : model(std::move(from)), playback(model), field(model) {
+  explicit Player(haptics::Model from)
+      : model(std::move(from)), playback(model), field(model), surface(model.surface) {
     for (const haptics::ContactModel& contact : model.contacts) {
       places.insert(places.end(), contact.position.begin(), contact.position.end());
     }
@@ -28,6 +29,7 @@ struct Player {
   haptics::Model model;
   haptics::Playback playback;
   haptics::BlendedField field;
+  geometry::GeodesicSurface surface;
   haptics::LoopState state;
   std::vector<double> places;  // of the contacts
   std::array<double, 16> output{};
@@ -98,7 +100,7 @@ const double* palpate_output() {
 const float* palpate_deform(int rule) {
   Player& p = *player;
   p.shape = haptics::displayed_shape(
-                p.model, p.field, p.state,
+                p.model, p.field, p.surface, p.state,
                 rule == 1 ? haptics::ShapeRule::nearest : haptics::ShapeRule::blended)
                 .cast<float>();
   return p.shape.data();

@@ -255,14 +255,14 @@ SurfaceResponse fit_surface_response(const Model& model, std::size_t count,
   response.moves = moves.cast<Eigen::half>();
 
   Errors shown, kept;
+  const geometry::GeodesicSurface surface(model.surface);
   for (std::size_t k = 0; k < count; ++k) {
     const RecordedShape recorded = checked(shape(k), model, k);
     const geometry::SurfacePoint place = place_of(field, model.contacts[recorded.contact]);
-    shown.add(recorded.vertices,
-              measured_shape(model.surface, response, field.weights(place), place,
-                             recorded.displacement, shape_options(model)));
+    shown.add(recorded.vertices, measured_shape(surface, response, field.weights(place), place,
+                                                recorded.displacement, shape_options(model)));
     kept.add(recorded.vertices,
-             recorded_shape(model.surface, response, place, static_cast<Eigen::Index>(k)));
+             recorded_shape(surface, response, place, static_cast<Eigen::Index>(k)));
   }
   response.rms = shown.rms();
   response.largest = shown.largest();

@@ -32,7 +32,7 @@ double drawn_dent(double distance, double radius) {
   return s < 1 ? (1 - s * s) * (1 - s * s) : 0;
 }
 
-Eigen::VectorXd distances_from(const geometry::TriangleMesh& surface,
+Eigen::VectorXd distances_from(const geometry::GeodesicSurface& surface,
                                const geometry::SurfacePoint& contact, double radius) {
   return geometry::geodesic_distance(surface, {&contact, 1}, {.stop_radius = radius}).distance;
 }
@@ -91,13 +91,13 @@ std::optional<Eigen::Index> nearest_of(const SurfaceResponse& response, Eigen::I
 
 }  // namespace
 
-Eigen::Matrix3Xd drawn_shape(const geometry::TriangleMesh& surface,
+Eigen::Matrix3Xd drawn_shape(const geometry::GeodesicSurface& surface,
                              const geometry::SurfacePoint& contact,
                              const Eigen::Vector3d& displacement,
                              const DrawnShapeOptions& options) {
   check(options);
-  geometry::check_surface_point(surface, contact, "drawn_shape(): contact");
-  Eigen::Matrix3Xd shape = surface.vertices;
+  geometry::check_surface_point(surface.mesh(), contact, "drawn_shape(): contact");
+  Eigen::Matrix3Xd shape = surface.mesh().vertices;
   if (!displacement.allFinite() || displacement.isZero(0)) return shape;
   const double radius = dent_radius(options, displacement);
   const Eigen::VectorXd distances = distances_from(surface, contact, radius);
@@ -112,15 +112,15 @@ DrawnShapeOptions shape_options(const Model& model) {
   return options;
 }
 
-Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
+Eigen::Matrix3Xd measured_shape(const geometry::GeodesicSurface& surface,
                                 const SurfaceResponse& response,
                                 const geometry::ContactWeights& weights,
                                 const geometry::SurfacePoint& contact,
                                 const Eigen::Vector3d& displacement,
                                 const DrawnShapeOptions& options) {
-  check_vertices("measured_shape()", response, surface);
+  check_vertices("measured_shape()", response, surface.mesh());
   check(options);
-  Eigen::Matrix3Xd shape = surface.vertices;
+  Eigen::Matrix3Xd shape = surface.mesh().vertices;
   if (!displacement.allFinite() || displacement.isZero(0)) return shape;
   add_node_moves(response, node_moves(response, weights, displacement), shape);
   const auto dent = [&](double distance) {
@@ -136,8 +136,8 @@ Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
 
   // The displayed place lies between the corners of its triangle, which follow the dent less than
   // the place itself.
-  const Eigen::Vector3i corners = surface.triangles.col(contact.triangle);
-  const Eigen::Vector3d place = surface.vertices(Eigen::all, corners) * contact.barycentric;
+  const Eigen::Vector3i corners = surface.mesh().triangles.col(contact.triangle);
+  const Eigen::Vector3d place = geometry::position(surface.mesh(), contact);
   const Eigen::Vector3d gap =
       place + displacement - shape(Eigen::all, corners) * contact.barycentric;
   const double radius = dent_radius(options, gap);
@@ -150,11 +150,11 @@ Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
   return shape;
 }
 
-Eigen::Matrix3Xd recorded_shape(const geometry::TriangleMesh& surface,
+Eigen::Matrix3Xd recorded_shape(const geometry::GeodesicSurface& surface,
                                 const SurfaceResponse& response,
                                 const geometry::SurfacePoint& contact, Eigen::Index shape) {
-  check_vertices("recorded_shape()", response, surface);
-  Eigen::Matrix3Xd vertices = surface.vertices;
+  check_vertices("recorded_shape()", response, surface.mesh());
+  Eigen::Matrix3Xd vertices = surface.mesh().vertices;
   add_node_moves(response, response.moves.col(shape).cast<double>().reshaped(3, Eigen::AutoSize),
                  vertices);
   const Eigen::VectorXd distances = distances_from(surface, contact, response.reach);
@@ -166,11 +166,12 @@ Eigen::Matrix3Xd recorded_shape(const geometry::TriangleMesh& surface,
   return vertices;
 }
 
-Eigen::Matrix3Xd nearest_shape(const Model& model, const geometry::SurfaceQuery& query,
+Eigen::Matrix3Xd nearest_shape(const Model& model, const geometry::GeodesicSurface& surface,
+                               const geometry::SurfaceQuery& query,
                                const geometry::ContactWeights& weights,
                                const geometry::SurfacePoint& contact,
                                const Eigen::Vector3d& displacement) {
-  const Eigen::Vector3d tool = geometry::position(model.surface, contact) + displacement;
+  const Eigen::Vector3d tool = geometry::position(surface.mesh(), contact) + displacement;
   auto left = weights.weights;
   for (int k = 0; k < weights.count; ++k) {
     const auto heaviest = static_cast<std::size_t>(
@@ -181,24 +182,24 @@ Eigen::Matrix3Xd nearest_shape(const Model& model, const geometry::SurfaceQuery&
     const Eigen::Vector3d& position = model.contacts[static_cast<std::size_t>(nearby)].position;
     const auto shape = nearest_of(*model.response, nearby, tool - position);
     if (shape) {
-      return recorded_shape(model.surface, *model.response, query.closest_point(position).at,
-                            *shape);
+      return recorded_shape(surface, *model.response, query.closest_point(position).at, *shape);
     }
   }
-  return drawn_shape(model.surface, contact, displacement, shape_options(model));
+  return drawn_shape(surface, contact, displacement, shape_options(model));
 }
 
 Eigen::Matrix3Xd displayed_shape(const Model& model, const BlendedField& field,
-                                 const LoopState& state, ShapeRule rule) {
-  if (state.contact_state == ContactState::free) return model.surface.vertices;
+                                 const geometry::GeodesicSurface& surface, const LoopState& state,
+                                 ShapeRule rule) {
+  if (state.contact_state == ContactState::free) return surface.mesh().vertices;
   const geometry::SurfacePoint& at = state.proxy.at;
   const Eigen::Vector3d displacement = state.tool - state.proxy.position;
   const DrawnShapeOptions options = shape_options(model);
-  if (!model.response) return drawn_shape(model.surface, at, displacement, options);
+  if (!model.response) return drawn_shape(surface, at, displacement, options);
   const geometry::ContactWeights weights = field.weights(at);
   if (rule == ShapeRule::nearest)
-    return nearest_shape(model, field.surface(), weights, at, displacement);
-  return measured_shape(model.surface, *model.response, weights, at, displacement, options);
+    return nearest_shape(model, surface, field.surface(), weights, at, displacement);
+  return measured_shape(surface, *model.response, weights, at, displacement, options);
 }
 
 }  // namespace palpate::haptics

@@ -123,6 +123,7 @@ TEST(NearestShape, IsTheRecordedShapeOfTheHeaviestContactWhoseTipWasNearest) {
   FollowingSheet sheet;
   sheet.model.response = sheet.fit();
   const BlendedField field(sheet.model);
+  const geometry::GeodesicSurface surface(sheet.model.surface);
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(-12, 5, 700), Eigen::Vector3d(20, -25, 700),
                                        Eigen::Vector3d(28, 30, 700)}) {
     for (const Eigen::Vector3d& displacement :
@@ -146,7 +147,7 @@ TEST(NearestShape, IsTheRecordedShapeOfTheHeaviestContactWhoseTipWasNearest) {
         if (nearest == nullptr || distance(shape) < distance(*nearest)) nearest = &shape;
       }
       const Eigen::Matrix3Xd shown =
-          nearest_shape(sheet.model, field.surface(), weights, at, displacement);
+          nearest_shape(sheet.model, surface, field.surface(), weights, at, displacement);
       EXPECT_LT((shown - nearest->vertices).colwise().norm().mean(), 0.1);
     }
   }
@@ -156,30 +157,33 @@ TEST(NearestShape, IsADrawnDentWhereNothingWasRecorded) {
   FollowingSheet sheet;
   sheet.model.response = sheet.fit();
   const BlendedField field(sheet.model);
+  const geometry::GeodesicSurface surface(sheet.model.surface);
   const geometry::SurfacePoint at =
       field.surface().closest_point(sheet.model.contacts[1].position).at;
   sheet.model.response->shape_contacts.resize(0);
-  EXPECT_TRUE(nearest_shape(sheet.model, field.surface(), field.weights(at), at, {0, 0, 4}) ==
-              drawn_shape(sheet.model.surface, at, {0, 0, 4}, shape_options(sheet.model)));
+  EXPECT_TRUE(
+      nearest_shape(sheet.model, surface, field.surface(), field.weights(at), at, {0, 0, 4}) ==
+      drawn_shape(surface, at, {0, 0, 4}, shape_options(sheet.model)));
 }
 
 TEST(DisplayedShape, FollowsTheRecordedShapesIfTheModelHasAny) {
   FollowingSheet sheet;
   const BlendedField field(sheet.model);
+  const geometry::GeodesicSurface surface(sheet.model.surface);
   const Playback playback(sheet.model);
   LoopState state;
-  EXPECT_EQ(displayed_shape(sheet.model, field, state), sheet.model.surface.vertices);
+  EXPECT_EQ(displayed_shape(sheet.model, field, surface, state), sheet.model.surface.vertices);
   const Eigen::Vector3d place = sheet.model.contacts[1].position, displacement(0, 0, 6);
   for (int i = 0; i <= 10; ++i)
     static_cast<void>(playback.step(place + 0.1 * i * displacement, state));
   const Eigen::Matrix3Xd truth = true_shape(sheet.model.surface, place, displacement);
   const auto error = [&] {
-    return (displayed_shape(sheet.model, field, state) - truth).colwise().norm().mean();
+    return (displayed_shape(sheet.model, field, surface, state) - truth).colwise().norm().mean();
   };
   const double drawn = error();
   sheet.model.response = sheet.fit();
   EXPECT_LT(error(), 0.2 * drawn);
-  EXPECT_LT((displayed_shape(sheet.model, field, state, ShapeRule::nearest) - truth)
+  EXPECT_LT((displayed_shape(sheet.model, field, surface, state, ShapeRule::nearest) - truth)
                 .colwise()
                 .norm()
                 .mean(),

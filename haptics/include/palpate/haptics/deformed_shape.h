@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "palpate/geometry/contact_locator.h"
+#include "palpate/geometry/geodesic_surface.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/blended_field.h"
@@ -27,11 +28,12 @@ struct DrawnShapeOptions {
 ///     (1 - s^2)^2    with s = d / (tip + reach |displacement|)
 ///
 /// The shape is continuous in contact and displacement. Forces do not depend on it.
-/// \param surface undeformed, V vertices. \param contact on it. \param displacement [mm] world
+/// \param surface undeformed, V vertices; keep it from one picture to the next, since making it
+/// takes longer than the dent. \param contact on it. \param displacement [mm] world
 /// \return 3 x V [mm]; the undeformed vertices for a displacement that is zero or not finite.
 /// \throws InvalidInput if the mesh is not valid, the contact is not on it, or on an option outside
 /// its range.
-[[nodiscard]] Eigen::Matrix3Xd drawn_shape(const geometry::TriangleMesh& surface,
+[[nodiscard]] Eigen::Matrix3Xd drawn_shape(const geometry::GeodesicSurface& surface,
                                            const geometry::SurfacePoint& contact,
                                            const Eigen::Vector3d& displacement,
                                            const DrawnShapeOptions& options = {});
@@ -47,7 +49,7 @@ struct DrawnShapeOptions {
 /// \param weights of the contacts at the place (`BlendedField::weights`). \return 3 x V [mm]
 /// \param response which `check_surface_response` accepts.
 /// \throws InvalidInput as `drawn_shape`, or if the response is of another number of vertices.
-[[nodiscard]] Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
+[[nodiscard]] Eigen::Matrix3Xd measured_shape(const geometry::GeodesicSurface& surface,
                                               const SurfaceResponse& response,
                                               const geometry::ContactWeights& weights,
                                               const geometry::SurfacePoint& contact,
@@ -57,7 +59,7 @@ struct DrawnShapeOptions {
 /// A recorded surface as it is kept, 3 x V [mm].
 /// \param contact where the displaced contact is. \param shape in [0, S) of the response
 /// \throws InvalidInput if the mesh is not valid or the contact is not on it.
-[[nodiscard]] Eigen::Matrix3Xd recorded_shape(const geometry::TriangleMesh& surface,
+[[nodiscard]] Eigen::Matrix3Xd recorded_shape(const geometry::GeodesicSurface& surface,
                                               const SurfaceResponse& response,
                                               const geometry::SurfacePoint& contact,
                                               Eigen::Index shape);
@@ -66,8 +68,9 @@ struct DrawnShapeOptions {
 /// with the largest weight for which any was recorded (thesis 5.6.1); `drawn_shape` if none was for
 /// any contact with a weight. It jumps when another one becomes the nearest, and its dent is where
 /// it was recorded. Arguments as for `measured_shape`.
-/// \param model with a response. \param query of its surface.
+/// \param model with a response. \param surface, query  of the model's surface.
 [[nodiscard]] Eigen::Matrix3Xd nearest_shape(const Model& model,
+                                             const geometry::GeodesicSurface& surface,
                                              const geometry::SurfaceQuery& query,
                                              const geometry::ContactWeights& weights,
                                              const geometry::SurfacePoint& contact,
@@ -81,8 +84,9 @@ enum class ShapeRule : std::uint8_t {
 
 /// The surface to display in a state of playback, 3 x V [mm]: undeformed while the tool is free,
 /// otherwise as the rule says, or `drawn_shape` if no surface was recorded for the model.
-/// \param field of the model.
+/// \param field, surface  of the model; see `drawn_shape`.
 [[nodiscard]] Eigen::Matrix3Xd displayed_shape(const Model& model, const BlendedField& field,
+                                               const geometry::GeodesicSurface& surface,
                                                const LoopState& state,
                                                ShapeRule rule = ShapeRule::blended);
 
