@@ -76,6 +76,11 @@ TEST_F(PlayDevice, ClosesTheLoopWithAHandAndReplaysIt) {
                *scratch / "trace.csv", "--exchange", *scratch / "other", "--exchange-at", "0.45"});
   EXPECT_GT(run["stick"], 200);
   EXPECT_GT(run["largest_force"], 0.2);
+  // The hand presses with a spring: it gives way, and its path leads 8 mm into the sheet.
+  EXPECT_NEAR(run["displacement_on_path"], 8, 0.1);
+  EXPECT_LT(run["largest_displacement"].get<double>(),
+            0.95 * run["displacement_on_path"].get<double>());
+  EXPECT_GT(run["largest_displacement"], 0.5);
   EXPECT_EQ(run["exchanges"], 1);
   EXPECT_GT(run["coupling_stiffness"], 1);
   EXPECT_FALSE(run["real_time"]);
@@ -96,6 +101,16 @@ TEST_F(PlayDevice, ClosesTheLoopWithAHandAndReplaysIt) {
   write_text(*scratch / "other/surface.ply", read_text(*scratch / "other/surface.ply") + " ");
   expect_words({"--replay", session, "--exchange", *scratch / "other"}, kWrongCall,
                "is not the model of the session");
+}
+
+TEST_F(PlayDevice, SaysHowFarTheHandCameAndWhatItWasGiven) {
+  const CommandResult result = run_palpate({"play", *scratch / "model", "--device", "hand",
+                                            "--trajectory", press(), "--duration", "0.5"});
+  ASSERT_EQ(result.status, kDone) << result.err;
+  EXPECT_NE(result.out.find(
+                "no energy was returned to the user\nThe hand gave way: largest displacement "),
+            std::string::npos)
+      << result.out;
 }
 
 TEST_F(PlayDevice, ReadsBinaryTrajectoriesWithAndWithoutADevice) {

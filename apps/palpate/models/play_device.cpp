@@ -126,6 +126,7 @@ Json figures_of(const DeviceCall& call, const haptics::RunReport& report) {
           {"stick", report.states[1]},
           {"slip", report.states[2]},
           {"largest_force", report.largest_force},
+          {"largest_displacement", report.largest_displacement},
           {"rate", report.time.rate},
           {"late", report.time.late},
           {"us_per_step",
@@ -140,7 +141,24 @@ Json figures_of(const DeviceCall& call, const haptics::RunReport& report) {
           {"safety", safety}};
 }
 
-std::string prose_of(const DeviceCall& call, const haptics::RunReport& report) {
+std::string energy_in_words(const haptics::GivenEnergy& given) {
+  if (given.giving == 0) return "no energy was returned to the user";
+  return fmt::format("{:.3f} N mm were returned to the user in {} of {} touches", given.in_touches,
+                     given.giving, given.touches);
+}
+
+/// How far a simulated hand came. \param on_path [mm] largest displacement where its path leads; 0:
+/// it has none, or touches nothing.
+std::string reach_in_words(const DeviceCall& call, const haptics::RunReport& report,
+                           double on_path) {
+  if (on_path == 0) return "";
+  const double share = report.largest_displacement / on_path;
+  return fmt::format("\nThe {} {}: largest displacement {:.1f} mm, {:.0f} % of that on its path",
+                     call.device == kHeldArm ? "held arm" : "hand",
+                     share < 0.995 ? "gave way" : "held", report.largest_displacement, 100 * share);
+}
+
+std::string prose_of(const DeviceCall& call, const haptics::RunReport& report, double on_path) {
   std::string safety;
   for (std::size_t i = 0; i < report.actions.size(); ++i) {
     if (report.actions[i] == 0) continue;
@@ -150,7 +168,7 @@ std::string prose_of(const DeviceCall& call, const haptics::RunReport& report) {
   return fmt::format(
       "{} ticks at {:.0f} Hz: {} free, {} stick, {} slip; largest force {}; {} late\n"
       "A tick takes {:.1f} us (median), {:.1f} us (99.9 %), at most {:.1f} us\n"
-      "{}; the loop returned {:.3f} N mm to the user in {} of {} touches\n"
+      "{}; {}{}\n"
       "Safety, in ticks: {}{}{}",
       report.time.ticks, report.time.rate, report.states[0], report.states[1], report.states[2],
       newtons(report.largest_force, 3), report.time.late, report.time.p50, report.time.p999,
@@ -158,7 +176,7 @@ std::string prose_of(const DeviceCall& call, const haptics::RunReport& report) {
       std::isfinite(report.coupling_stiffness)
           ? fmt::format("Virtual coupling of {:.3g} N/mm", report.coupling_stiffness)
           : std::string("No virtual coupling"),
-      report.given.in_touches, report.given.giving, report.given.touches,
+      energy_in_words(report.given), reach_in_words(call, report, on_path),
       safety.empty() ? "nothing" : safety,
       report.exchanges > 0 ? fmt::format("\n{} exchange of the model", report.exchanges) : "",
       call.session.empty() ? "" : "\nRecorded in " + call.session.string());
@@ -187,6 +205,7 @@ struct PlayedLoop {
   std::function<std::unique_ptr<haptics::DeviceRun>(probing::Arm&, const haptics::RunOptions&)>
       begin;
   std::function<void(const haptics::LoopRecord&, const Json& figures)> write_trace;
+  double on_path = 0;  ///< as `displacement_on_path`
 };
 
 void check_call(const DeviceCall& call) {
@@ -196,6 +215,23 @@ void check_call(const DeviceCall& call) {
   if (call.device == kHeldArm && call.real_time) {
     throw InvalidInput("--realtime: the simulated arm is on its own clock; use --device hand");
   }
+}
+
+/// [mm] The largest displacement of a tool that keeps to the path of a simulated hand; 0 for other
+/// devices, and if it touches nothing.
+double displacement_on_path(const DeviceCall& call, haptics::DeviceLoopOptions options,
+                            const std::shared_ptr<const haptics::Playback>& model) {
+  if (call.device != kHand && call.device != kHeldArm) return 0;
+  DeviceCall rigid = call;
+  rigid.device = kScripted;
+  rigid.settings.clear();
+  rigid.real_time = false;
+  options.coupling.on = false;
+  const OpenedDevice device = open_device(rigid, options);
+  const double duration =
+      call.duration > 0 ? std::min(call.duration, device.duration) : device.duration;
+  haptics::DeviceRun run(*device.arm, model, options, {.duration = duration, .real_time = false});
+  return run.finish().largest_displacement;
 }
 
 void run_loop(const Settings& settings, const DeviceCall& call,
@@ -211,14 +247,15 @@ void run_loop(const Settings& settings, const DeviceCall& call,
   const std::unique_ptr<haptics::DeviceRun> run = played.begin(*device.arm, run_options);
   const AtInterrupt at_interrupt([&run] { run->stop(); });
   const haptics::RunReport report = run->finish();
-  const Json figures = figures_of(call, report);
+  Json figures = figures_of(call, report);
+  if (played.on_path > 0) figures["displacement_on_path"] = played.on_path;
   if (!call.trace.empty()) played.write_trace(haptics::read_loop_record(call.session), figures);
   warn_of_run(call, report, device.arm->description());
   if (!report.device_lost.empty()) {
     throw DeviceError(fmt::format("{}: the device is lost after {} ticks: {}", call.device,
                                   report.time.ticks, report.device_lost));
   }
-  print(settings, figures, prose_of(call, report));
+  print(settings, figures, prose_of(call, report, played.on_path));
 }
 
 }  // namespace
@@ -231,17 +268,18 @@ void play_device(const Settings& settings, const DeviceCall& call) {
   haptics::DeviceLoopOptions options = loop_options(call);
   if (call.pose.empty() && call.device == kHeldArm)
     options.T_world_device = probing::mount_over(model.surface, probing::ArmGeometry{});
+  const auto playback = made_playback(call.model, model, call.playback);
   run_loop(settings, call, options,
            {.session = session_of(call),
             .begin =
                 [&](probing::Arm& arm, const haptics::RunOptions& run) {
-                  return std::make_unique<haptics::DeviceRun>(
-                      arm, made_playback(call.model, model, call.playback), options, run);
+                  return std::make_unique<haptics::DeviceRun>(arm, playback, options, run);
                 },
             .write_trace =
                 [&](const haptics::LoopRecord& record, const Json& /*figures*/) {
                   haptics::write_trace(call.trace, haptics::trace_of(record));
-                }});
+                },
+            .on_path = displacement_on_path(call, options, playback)});
 }
 
 void play_scene_device(const Settings& settings, DeviceCall call) {

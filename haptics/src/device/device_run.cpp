@@ -162,6 +162,9 @@ struct DeviceRun::Runner {
       report.actions[i] += (output.command.actions >> i) & 1u;
     }
     report.largest_force = std::max(report.largest_force, output.command.force.norm());
+    if (output.state == ContactState::free) return;
+    report.largest_displacement =
+        std::max(report.largest_displacement, (output.tool - output.contact).norm());
   }
 
   probing::Arm& device;

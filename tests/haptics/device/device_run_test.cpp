@@ -60,6 +60,22 @@ TEST(DeviceRun, FeelsTheSheetWithASimulatedHand) {
   EXPECT_TRUE(report.device_lost.empty());
 }
 
+TEST(DeviceRun, TellsHowFarTheToolDisplacedTheContact) {
+  // 8 mm straight down into the sheet at z = 700; a hand gives way, and reaches less.
+  const auto press = [] {
+    return TimedPath({{0, {3, 4, 695}}, {0.3, {3, 4, 708}}, {0.6, {3, 4, 695}}}, PathShape::smooth);
+  };
+  TrajectoryDevice rigid(press(), {});
+  DeviceRun along(rigid, sheet(), {.coupling = {.on = false}},
+                  {.duration = 0.6, .real_time = false});
+  EXPECT_NEAR(along.finish().largest_displacement, 8, 1e-6);
+  SimulatedHand hand(press());
+  DeviceRun felt(hand, sheet(), {}, {.duration = 0.6, .real_time = false});
+  const double reached = felt.finish().largest_displacement;
+  EXPECT_GT(reached, 0.5);
+  EXPECT_LT(reached, 7);
+}
+
 TEST(DeviceRun, FeelsTheSheetWithAHeldArm) {
   // The arm's y axis points up: the sheet lies below, its outside up.
   DeviceLoopOptions options;

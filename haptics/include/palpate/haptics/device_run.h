@@ -41,6 +41,7 @@ struct RunReport {
   std::array<long long, kSafetyActions> actions{};
   std::array<long long, 3> states{};  ///< ticks of each `ContactState`
   double largest_force = 0;           ///< [N] that was commanded
+  double largest_displacement = 0;    ///< [mm] of the tool from the contact, in the world
   double coupling_stiffness = 0;      ///< [N/mm] at the device; infinite without coupling
   long long refused = 0;              ///< commands that the device did not take
   int exchanges = 0;
