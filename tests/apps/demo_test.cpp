@@ -92,6 +92,17 @@ TEST_F(Demo, ProbesWhatACampaignProbesThatIsNotStopped) {
             read_text(folder + "acquisition.db.csv/samples.csv"));
 }
 
+TEST_F(Demo, EndsWithAModelAPictureAndAReportToOpen) {
+  ASSERT_EQ(run().result.status, 0) << run().result.err;
+  const nlohmann::json open = nlohmann::json::parse(run().result.out)["open"];
+  ASSERT_EQ(open.size(), 3U);
+  const std::string page = read_text(open[0].get<std::string>());
+  EXPECT_NE(page.find("<title>sheet"), std::string::npos) << page.substr(0, 500);
+  EXPECT_FALSE(sensing::read_frame(open[1].get<std::string>()).empty());
+  // On a telephone as wide as the telephone.
+  EXPECT_NE(read_text(open[2].get<std::string>()).find("name=\"viewport\""), std::string::npos);
+}
+
 TEST_F(Demo, MakesTheOverviewOfThePageOfResults) {
   ASSERT_EQ(run().result.status, 0) << run().result.err;
   const auto small = [](const fs::path& png) {

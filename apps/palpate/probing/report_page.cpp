@@ -25,7 +25,7 @@ std::string table_row(const std::string& tag, const std::vector<std::string>& ce
 
 constexpr const char* kStyle =
     "body{font:16px/1.45 sans-serif;max-width:60em;margin:2em auto;padding:0 1em;color:#222}"
-    "table{border-collapse:collapse;margin:1em 0}"
+    "table{border-collapse:collapse;margin:1em 0;display:block;overflow-x:auto}"
     "th,td{padding:.2em .8em;border-bottom:1px solid #ddd;text-align:right}"
     "th:first-child,td:first-child{text-align:left}"
     "img{max-width:100%}figure{margin:1em 0}figcaption{color:#555}";
@@ -55,7 +55,8 @@ void ReportPage::add_picture(const std::string& file, const std::string& caption
 }
 
 std::string ReportPage::html() const {
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">" +
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\">"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">" +
          element("title", title_) + "<style>" + kStyle + "</style></head>\n<body>\n" + body_ +
          "</body>\n</html>\n";
 }

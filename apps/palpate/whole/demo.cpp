@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "export/export_page.h"
 #include "palpate/core/error.h"
-#include "palpate/core/file_names.h"
 #include "shared/command_line.h"
 #include "shared/program.h"
 #include "whole/demo.h"
@@ -80,15 +80,26 @@ std::string probing_table(const Json& p) {
       p["trials_before"].get<int>());
 }
 
-std::string list_files(const fs::path& output) {
-  std::vector<std::string> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(output)) {
-    if (entry.is_regular_file() && !is_hidden(entry.path())) files.push_back(entry.path().string());
-  }
-  std::sort(files.begin(), files.end());
-  std::string list = "WRITTEN (look at the .png first):\n";
-  for (const std::string& file : files) list += "  " + file + "\n";
-  return list;
+/// A result to look at, and what it shows.
+struct Shown {
+  std::string file;
+  const char* text;
+};
+
+std::vector<Shown> what_to_open(const fs::path& output) {
+  return {{(output / "sheet/model.html").string(), "press on the sheet, in any browser"},
+          {(output / "pictures/overview.png").string(),
+           "a camera frame, its mesh, and a model with its forces"},
+          {(output / "probing/report/index.html").string(),
+           "what the arm did, and how good the model is"}};
+}
+
+std::string opening_text(const std::vector<Shown>& shown, const fs::path& output) {
+  std::size_t width = 0;
+  for (const Shown& one : shown) width = std::max(width, one.file.size());
+  std::string text = "NOW OPEN:\n";
+  for (const Shown& one : shown) text += fmt::format("  {:<{}}   {}\n", one.file, width, one.text);
+  return text + fmt::format("All results are in {}.\n", output.string());
 }
 
 void demo(const Settings& settings, const fs::path& given_data, const fs::path& output) {
@@ -98,17 +109,26 @@ void demo(const Settings& settings, const fs::path& given_data, const fs::path& 
   const Json feeling = demo_feeling(data, output);
   const Json probing = demo_probing(data, output);
   demo_overview(data, output);
+  const std::vector<Shown> shown = what_to_open(output);
+  PageCall page;
+  page.input = output / "sheet/model";
+  page.output = shown.front().file;
+  page.title = "sheet";
+  export_page(page, PageContent::model);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   const bool same = std::all_of(feeling.begin(), feeling.end(),
                                 [](const Json& s) { return s["same_and_finite"].get<bool>(); });
+  Json files = Json::array();
+  for (const Shown& one : shown) files.push_back(one.file);
   print(settings,
         {{"seeing", seeing},
          {"feeling", feeling},
          {"probing", probing},
          {"seconds", elapsed.count()},
-         {"output", output.string()}},
+         {"output", output.string()},
+         {"open", files}},
         seeing_table(seeing) + "\n" + feeling_table(feeling) + "\n" + probing_table(probing) +
-            "\n" + list_files(output) +
+            "\n" + opening_text(shown, output) +
             fmt::format("\nThe whole demo took {:.1f} s. Every played force is finite and the same "
                         "in a second run: {}.",
                         elapsed.count(), same ? "yes" : "NO"));
