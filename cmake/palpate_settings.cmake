@@ -49,6 +49,11 @@ if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_FLAGS MATCHES "fsanitize=[^ ]*address")
     $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:palpate_keep_modules>>)
 endif()
 
+# palpate_tell_version(NAME VERSION): a library that `palpate --version` names.
+function(palpate_tell_version name version)
+  set_property(GLOBAL APPEND PROPERTY palpate_libraries_in_use "${name} ${version}")
+endfunction()
+
 # palpate_precompile(target HEADER ...): Eigen and the standard headers that nearly every source includes, and HEADER ...
 # Sources still include what they use: the dev preset, and so clang-tidy, works without precompiled headers.
 function(palpate_precompile target)

@@ -22,7 +22,13 @@ TEST(Version, TellsWhatADefectReportNeeds) {
   const std::string eigen = std::to_string(EIGEN_WORLD_VERSION) + "." +
                             std::to_string(EIGEN_MAJOR_VERSION) + "." +
                             std::to_string(EIGEN_MINOR_VERSION);
-  EXPECT_EQ(figures.at("eigen"), eigen);
+  EXPECT_EQ(figures.at("libraries").at("Eigen"), eigen);
+  for (const char* name : {"CGAL", "Embree", "OpenCV", "PCL", "VTK"}) {
+    if (!figures.at("libraries").contains(name)) continue;  // of a build without it
+    EXPECT_THAT(figures["libraries"][name].get<std::string>(),
+                ::testing::MatchesRegex("[0-9]+[.][0-9.]+[0-9]"));
+  }
+  EXPECT_THAT(text.out, ::testing::HasSubstr("OpenCV 4."));
   EXPECT_THAT(figures.at("licence").get<std::string>(), ::testing::StartsWith("Apache-2.0"));
   EXPECT_THAT(figures.at("commit").get<std::string>(),
               ::testing::MatchesRegex("unknown|[0-9a-f]{12}[0-9a-f]*\\+?"));

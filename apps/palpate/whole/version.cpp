@@ -4,27 +4,38 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <nlohmann/json.hpp>
-#include <opencv2/core/version.hpp>
+#include <sstream>
 
 #include "commit.h"
 #include "shared/aliases.h"
 
 namespace palpate::apps {
+namespace {
+
+// From "NAME VERSION, NAME VERSION".
+Json versions_of_libraries() {
+  Json versions;
+  std::istringstream list(PALPATE_LIBRARIES);
+  std::string name, version;
+  while (list >> name >> version) versions[name] = version.substr(0, version.find(','));
+  return versions;
+}
+
+}  // namespace
 
 std::string version_text(bool json) {
-  const std::string eigen =
-      fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION);
   if (json) {
-    const Json figures = {
-        {"version", PALPATE_VERSION},   {"commit", PALPATE_COMMIT}, {"licence", PALPATE_LICENCE},
-        {"compiler", PALPATE_COMPILER}, {"eigen", eigen},           {"opencv", CV_VERSION}};
+    const Json figures = {{"version", PALPATE_VERSION},
+                          {"commit", PALPATE_COMMIT},
+                          {"licence", PALPATE_LICENCE},
+                          {"compiler", PALPATE_COMPILER},
+                          {"libraries", versions_of_libraries()}};
     return figures.dump(2);
   }
-  return fmt::format(
-      "palpate {}\ncommit: {}\nlicence: {}\ncompiler: {}\nlibraries: Eigen {}, OpenCV {}",
-      PALPATE_VERSION, PALPATE_COMMIT, PALPATE_LICENCE, PALPATE_COMPILER, eigen, CV_VERSION);
+  return fmt::format("palpate {}\ncommit: {}\nlicence: {}\ncompiler: {}\nlibraries: {}",
+                     PALPATE_VERSION, PALPATE_COMMIT, PALPATE_LICENCE, PALPATE_COMPILER,
+                     PALPATE_LIBRARIES);
 }
 
 }  // namespace palpate::apps
