@@ -4,6 +4,7 @@
 
 usage: options_page.py PALPATE PAGE        (PALPATE: the command; the Python module must be on the path)
 """
+import functools
 import pathlib
 import re
 import subprocess
@@ -26,19 +27,21 @@ This page is written by `./dev studies options_page`.
 """
 
 
+@functools.cache
+def help_of(program, command, flag="--help-all"):
+    return subprocess.run([program, *command.split(), flag], capture_output=True, text=True, check=True).stdout
+
+
 def options_of_commands(program):
     """Name of each command -> its options."""
-    def help_of(words, flag):
-        return subprocess.run([program, *words, flag], capture_output=True, text=True, check=True).stdout
-
-    commands, waiting = {}, [[]]
+    commands, waiting = {}, [""]
     while waiting:
-        words = waiting.pop(0)
-        below = re.findall(r"^(?=.{30}\S)  ([a-z]+) {2,}\S", help_of(words, "--help"), re.M)
+        command = waiting.pop(0)
+        below = re.findall(r"^(?=.{30}\S)  ([a-z]+) {2,}\S", help_of(program, command, "--help"), re.M)
         if below:
-            waiting += [[*words, name] for name in below]
+            waiting += [f"{command} {name}".strip() for name in below]
         else:
-            commands[" ".join(words)] = set(re.findall(r"--[a-z][a-z0-9-]*", help_of(words, "--help-all")))
+            commands[command] = set(re.findall(r"--[a-z][a-z0-9-]*", help_of(program, command)))
     return commands
 
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -53,32 +54,38 @@ TEST_F(Identify, TellsThatASheetIsNoHalfSpace) {
   EXPECT_NE(result.out.find("does not describe"), std::string::npos) << result.out;
 }
 
-/// A block, probed on 5 x 5 x 2 cells with exact positions.
+/// A block, probed once on 4 x 4 x 2 cells with exact positions.
 class IdentifySolid : public ::testing::Test {
  protected:
   static std::string block(const std::string& shear_modulus) {
-    return R"({"type": "finite_elements", "size": [40, 40, 16], "cells": [5, 5, 2],
+    return R"({"type": "finite_elements", "size": [40, 40, 16], "cells": [4, 4, 2],
                "bulk_modulus": 0.6, "shear_modulus": )" +
            shear_modulus + "}";
   }
 
-  void SetUp() override {
-    const std::string truth = scratch / "truth.json";
-    write_text(truth, block("0.06"));
-    write_text(given, block("0.03"));
-    ASSERT_EQ(run_palpate({"probe", "truth", truth, "-o", scratch / "truth"}).status, kDone);
-    const std::string plan = scratch / "plan.json";
+  static void SetUpTestSuite() {
+    probed = std::make_unique<ScratchFolder>();
+    const ScratchFolder& at = *probed;
+    write_text(at / "truth.json", block("0.06"));
+    ASSERT_EQ(
+        run_palpate({"probe", "truth", at / "truth.json", "--queries", "0", "-o", at / "truth"})
+            .status,
+        kDone);
     const CommandResult planned =
-        run_palpate({"probe", "plan", scratch / "truth/surface.ply", "--contacts", "5", "--levels",
-                     "2", "--directions", "3", "--max-force", "1.2", "-o", plan});
+        run_palpate({"probe", "plan", at / "truth/surface.ply", "--contacts", "5", "--levels", "2",
+                     "--directions", "3", "--max-force", "1.2", "-o", at / "plan.json"});
     ASSERT_EQ(planned.status, kDone) << planned.err;
-    const CommandResult probed =
-        run_palpate({"probe", "run", plan, "--specimen", truth, "-o", acquisition});
-    ASSERT_EQ(probed.status, kDone) << probed.err;
+    const CommandResult measured = run_palpate({"probe", "run", at / "plan.json", "--specimen",
+                                                at / "truth.json", "-o", at / "acquisition.db"});
+    ASSERT_EQ(measured.status, kDone) << measured.err;
   }
+  static void TearDownTestSuite() { probed.reset(); }
 
+  void SetUp() override { write_text(given, block("0.03")); }
+
+  inline static std::unique_ptr<ScratchFolder> probed;
   ScratchFolder scratch;
-  const std::string given = scratch / "given.json", acquisition = scratch / "acquisition.db",
+  const std::string given = scratch / "given.json", acquisition = *probed / "acquisition.db",
                     card = scratch / "identified.json";
 };
 
@@ -102,7 +109,10 @@ TEST_F(IdentifySolid, WritesASpecimenFileThatOtherCommandsUse) {
   const nlohmann::json written = nlohmann::json::parse(read_text(card));
   EXPECT_EQ(written["shear_modulus"], shear["value"]);
   EXPECT_EQ(written["identified"]["parameters"], figures["parameters"]);
-  EXPECT_EQ(run_palpate({"bake", card, "--contacts", "3", "-o", scratch / "model"}).status, kDone);
+  EXPECT_EQ(
+      run_palpate({"bake", card, "--contacts", "3", "--queries", "0", "-o", scratch / "model"})
+          .status,
+      kDone);
   for (const auto& [simulator, file] :
        {std::pair("calculix", "solid.inp"), {"sofa", "solid.scn"}, {"mujoco", "solid.xml"}}) {
     const CommandResult exported =

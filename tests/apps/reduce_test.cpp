@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -19,20 +20,22 @@ using ::testing::HasSubstr;
 
 class Reduce : public ::testing::Test {
  protected:
-  void SetUp() override {
+  static void SetUpTestSuite() {
+    fitted = std::make_unique<ScratchFolder>();
+    const ScratchFolder& at = *fitted;
     ASSERT_EQ(run_palpate({"probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"),
-                           "-o", scratch / "acquisition.db"})
+                           "-o", at / "acquisition.db"})
                   .status,
               kDone);
-    ASSERT_EQ(run_palpate({"mesh", demo("sheet/surface.ply"), "--remesh", "7", "-o",
-                           scratch / "surface.ply"})
-                  .status,
-              kDone);
-    ASSERT_EQ(run_palpate({"fit", scratch / "acquisition.db", scratch / "surface.ply", "-o",
-                           scratch / "model"})
-                  .status,
-              kDone);
+    ASSERT_EQ(
+        run_palpate({"mesh", demo("sheet/surface.ply"), "--remesh", "7", "-o", at / "surface.ply"})
+            .status,
+        kDone);
+    ASSERT_EQ(
+        run_palpate({"fit", at / "acquisition.db", at / "surface.ply", "-o", at / "model"}).status,
+        kDone);
   }
+  static void TearDownTestSuite() { fitted.reset(); }
 
   json figures(std::vector<std::string> call) {
     call.insert(call.begin(), "reduce");
@@ -42,17 +45,19 @@ class Reduce : public ::testing::Test {
     return json::parse(result.out);
   }
   // [N] RMS against known forces, and RMS of each error divided by the stated one.
-  std::pair<double, double> errors(const std::string& model) {
+  std::pair<double, double> errors(const std::string& reduced) {
     const json of = json::parse(
-        run_palpate({"evaluate", model, "--queries", demo("sheet/queries.csv"), "--json"}).out);
+        run_palpate({"evaluate", reduced, "--queries", demo("sheet/queries.csv"), "--json"}).out);
     return {of["queries"]["rms"], of["queries"]["stated"]["ratio"]};
   }
 
+  inline static std::unique_ptr<ScratchFolder> fitted;
+  const std::string model = *fitted / "model";
   ScratchFolder scratch;
 };
 
 TEST_F(Reduce, MakesASmallerModelThatIsAsGoodAsItStates) {
-  const json reduced = figures({scratch / "model", "--max-error", "0.5", "-o", scratch / "small"});
+  const json reduced = figures({model, "--max-error", "0.5", "-o", scratch / "small"});
   EXPECT_LT(reduced["contacts"], reduced["contacts_before"]);
   EXPECT_LE(reduced["difference"]["rms"], reduced["allowed"]);
   EXPECT_LT(reduced["bytes"], reduced["bytes_before"]);
@@ -69,13 +74,10 @@ TEST_F(Reduce, MakesASmallerModelThatIsAsGoodAsItStates) {
 }
 
 TEST_F(Reduce, TakesWhatASceneRequires) {
-  write_text(scratch / "scene.yaml", R"(objects:
-  - name: sheet
-    model: model
+  write_text(scratch / "scene.yaml", "objects:\n  - name: sheet\n    model: " + model + R"(
     require: {force_error: 0.5 N, slip: false, region: {side: [0, 0, 700, -1, 0, 0]}}
 )");
-  const json reduced =
-      figures({scratch / "model", "--scene", scratch / "scene.yaml", "-o", scratch / "left"});
+  const json reduced = figures({model, "--scene", scratch / "scene.yaml", "-o", scratch / "left"});
   EXPECT_GT(reduced["out_of_reach"].size(), 5U);
   EXPECT_EQ(reduced["contacts"].get<std::size_t>() + reduced["out_of_reach"].size() +
                 reduced["predicted"].size(),
@@ -83,17 +85,17 @@ TEST_F(Reduce, TakesWhatASceneRequires) {
 }
 
 TEST_F(Reduce, WarnsWhereNotEverythingCanHold) {
-  const CommandResult result = run_palpate({"reduce", scratch / "model", "--max-error", "0.01",
-                                            "--strokes", "300", "-o", scratch / "small"});
+  const CommandResult result = run_palpate(
+      {"reduce", model, "--max-error", "0.01", "--strokes", "300", "-o", scratch / "small"});
   EXPECT_EQ(result.status, kDone);
   EXPECT_THAT(result.err, HasSubstr("states an error of"));
 }
 
 TEST_F(Reduce, RefusesACallThatContradictsItself) {
-  write_text(scratch / "scene.yaml", "objects: [{name: a, model: model, require: {slip: 1}}]");
+  write_text(scratch / "scene.yaml",
+             "objects: [{name: a, model: " + model + ", require: {slip: 1}}]");
   const auto refused = [&](std::vector<std::string> more) {
-    std::vector<std::string> call{"reduce", scratch / "model", "--strokes", "200",
-                                  "-o",     scratch / "small"};
+    std::vector<std::string> call{"reduce", model, "--strokes", "200", "-o", scratch / "small"};
     call.insert(call.end(), more.begin(), more.end());
     const CommandResult result = run_palpate(call);
     EXPECT_EQ(result.status, kWrongCall);

@@ -76,7 +76,7 @@ class Installed(unittest.TestCase):
         api = ".".join(VERSION.split(".")[:2])
         libraries = {f"libpalpate_{name}.so.{api}" for name in ("core", "geometry", "sensing", "probing", "haptics")}
         modules = {f"libpalpate_{name}-{api}.so"
-                   for name in ("aravis_camera", "assimp", "image_codecs", "registration_pcl", "video_capture")}
+                   for name in ("aravis_camera", "assimp", "image_codecs", "ipopt", "mat_array", "registration_pcl", "video_capture")}
         package = {"__init__.py", "_notebook.py", "_palpate.pyi", "py.typed", "page.html",
                    f"_palpate{sysconfig.get_config_var('EXT_SUFFIX')}"}
         self.assertEqual({path.removeprefix("palpate/") for path in present if path.startswith("palpate/")},

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each option has one description, and every way to use Palpate takes it."""
 import os
-import subprocess
 import sys
 import unittest
 
@@ -29,7 +28,7 @@ class Options(unittest.TestCase):
         commands, angles = options_page.options_of_commands(PROGRAM), 0
         for struct, fields in _palpate._option_lists():
             (command, *_), _ = options_page.doors(fields, commands, {})
-            shown = subprocess.run([PROGRAM, *command.split(), "--help-all"], capture_output=True, text=True, check=True).stdout
+            shown = options_page.help_of(PROGRAM, command)
             for field in fields:
                 text = shown.split(f"  {options_page.option(field)} ")[1].split("\n  -")[0]
                 self.assertEqual("[degrees]" in text, field["unit"] == "rad", f"{struct}::{field['name']}: {text}")

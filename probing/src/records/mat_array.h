@@ -21,8 +21,14 @@ struct MatArray {
   std::map<std::string, MatArray> fields{};  ///< of a structure of size 1 x 1
 };
 
-/// All variables of a file by their names.
-/// \throws FileError naming the file, what is wrong, and what would be right.
-[[nodiscard]] std::map<std::string, MatArray> read_mat(const std::filesystem::path& path);
+/// Functions of the module `mat_array`: libmatio, which needs HDF5, and with it 30 other shared
+/// libraries.
+struct MatArrays {
+  /// All variables of a file by their names.
+  /// \throws FileError naming the file, what is wrong, and what would be right.
+  std::map<std::string, MatArray> (*read)(const std::filesystem::path& path);
+};
 
 }  // namespace palpate::probing
+
+extern "C" const palpate::probing::MatArrays palpate_mat_array;

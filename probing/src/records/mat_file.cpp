@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/core/module.h"
 #include "palpate/probing/csv.h"
 #include "records/mat_array.h"
 
@@ -22,6 +23,11 @@ struct MatFile::Content {
 };
 
 namespace {
+
+const MatArrays& mat_arrays() {
+  static const void* const arrays = module_symbol("mat_array");
+  return *static_cast<const MatArrays*>(arrays);
+}
 
 /// "data.F(:,2)": the names data and F, and column 2.
 struct MatColumnName {
@@ -256,7 +262,7 @@ struct MatReader::Columns {
 };
 
 MatFile::MatFile(const std::filesystem::path& path)
-    : content_(std::make_unique<const Content>(Content{path.string(), read_mat(path)})) {}
+    : content_(std::make_unique<const Content>(Content{path.string(), mat_arrays().read(path)})) {}
 MatFile::~MatFile() = default;
 MatFile::MatFile(MatFile&&) noexcept = default;
 MatFile& MatFile::operator=(MatFile&&) noexcept = default;

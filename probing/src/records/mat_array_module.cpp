@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+// The whole of the module `mat_array`.
 #include "records/mat_array.h"
 
 #include <zlib.h>
@@ -139,9 +140,7 @@ MatArray array_of(const matvar_t& variable, const std::string& where) {
   return array;
 }
 
-}  // namespace
-
-std::map<std::string, MatArray> read_mat(const std::filesystem::path& path) {
+std::map<std::string, MatArray> read(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw FileError(path.string() + ": there is no such file; expected a MAT file");
@@ -174,4 +173,7 @@ std::map<std::string, MatArray> read_mat(const std::filesystem::path& path) {
   return variables;
 }
 
+}  // namespace
 }  // namespace palpate::probing
+
+const palpate::probing::MatArrays palpate_mat_array{&palpate::probing::read};
