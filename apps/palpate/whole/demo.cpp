@@ -112,9 +112,8 @@ void demo(const Settings& settings, const fs::path& given_data, const fs::path& 
   const std::vector<Shown> shown = what_to_open(output);
   PageCall page;
   page.input = output / "sheet/model";
-  page.output = shown.front().file;
   page.title = "sheet";
-  export_page(page, PageContent::model);
+  export_page(page, PageContent::model, shown.front().file);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   const bool same = std::all_of(feeling.begin(), feeling.end(),
                                 [](const Json& s) { return s["same_and_finite"].get<bool>(); });
