@@ -21,7 +21,7 @@ namespace {
 constexpr float kDoubtfulModulation = 0.4F;
 constexpr float kDoubtfulFrequency = 0.3F;
 constexpr float kDoubtfulLight = 0.25F;
-constexpr float kDoubtfulJump = 0.15F;
+constexpr float kDoubtfulJump = 0.1F;
 
 /// Distance from a pixel beyond which an edge of the light at it is not seen [px].
 constexpr long kEdge = 2;
