@@ -92,7 +92,7 @@ TEST(SurfaceDoubt, IsSmallOnSmoothRelief) {
 }
 
 TEST(SurfaceDoubt, SeesAJumpOfThePhaseOrTheLightAcrossTheColumns) {
-  for (const double jump : {0.25, -0.4, 3.5}) {
+  for (const double jump : {0.13, 0.25, -0.4, 3.5}) {
     const SurfaceDoubt doubt = doubt_about([&](double row, double column) {
       return Seen{.phase = phase_at(
                       row, column > kMiddleColumn ? jump + 0.01 * (column - kMiddleColumn) : 0)};
