@@ -270,8 +270,8 @@ void add_export(CLI::App& app, const Settings& settings) {
   format->add_flag("--vtk", call->vtk, "The surface as VTK, for ParaView");
   format->add_flag(
       "--glb", call->glb,
-      "The surface as binary glTF, in metres, for engines; of a folder of meshes, as palpate "
-      "track writes them, one animated surface");
+      "The surface as binary glTF, in metres, for game engines; of a folder of meshes, as "
+      "palpate track writes them, one animated surface");
   format->add_flag("--png", call->depths.png,
                    "The depths of range maps as depth images for Open3D, tools of TUM RGB-D and "
                    "others: 16-bit PNG, 0 where unknown, with the camera beside them");
@@ -293,16 +293,16 @@ void add_export(CLI::App& app, const Settings& settings) {
                     "--surface-color has written beside it");
   add_number(
       *command, "--press-depth", call->surface.press_depth, above(0).finite(),
-      "Surface of a model (--ply, --vtk): depth of the presses whose force and stiffness its "
-      "vertices have (default: the depth at which the model compares its contacts) [mm]");
+      "Surface of a model (--ply, --vtk): depth of the press whose force and stiffness are written "
+      "at each vertex (default: the depth at which the model compares its contacts) [mm]");
   add_number(*command, "--depth-unit", call->depths.unit, above(0).finite(),
              fmt::format("Depth images (--png): length of one unit; depths are rounded to it "
                          "(default: {:g}). Many programs assume 1, tools of TUM RGB-D 0.2 [mm]",
                          kDepthUnit));
   command->add_flag(
       "--undistort", call->depths.undistort,
-      "Depths (--png, --npy): those at the pixels of a camera without lens distortion, "
-      "for programs that know none");
+      "Depths (--png, --npy): convert them to a camera without lens distortion, for programs that "
+      "do not support it");
   add_number(*command, "--unknown-friction", page.unknown_friction, at_least(0).finite(),
              "Coefficient of friction of contacts where the measurements do not tell it");
   add_camera_options(*command, page.camera);
@@ -317,8 +317,9 @@ void add_export(CLI::App& app, const Settings& settings) {
   command->add_option("--title", page.title, "Title of the page (default: name of the input)");
   command->add_option(
       "-o,--output", page.output,
-      "File to write (default: model, range, mesh or solid with the ending of the format); of "
-      "several formats the name without ending; for depths of a folder a folder (default: depth)");
+      "File to write (default: model, range, mesh or solid with the ending of the format); with "
+      "several formats, the name without ending; for a folder of depths, the output folder "
+      "(default: depth)");
   command->footer(
       "Here --json selects the format of the file; this command prints no JSON.\n"
       "A page of range maps also shows the predicted deviations and the reasons of lost pixels "
