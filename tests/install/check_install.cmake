@@ -77,9 +77,15 @@ endforeach()
 
 # The headers that convert to CGAL and PCL, with the users' own copies of these libraries.
 set(build_dir ${SCRATCH_DIR}/converters)
-run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/converters -B ${build_dir} -DCMAKE_BUILD_TYPE=Release
-    -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
-    -DCMAKE_PREFIX_PATH=${prefix} -DEXAMPLES_DIR=${CMAKE_CURRENT_LIST_DIR}/../../apps/examples)
+# Not by `run`, which would split the list of the launcher.
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR}/converters -B ${build_dir} -DCMAKE_BUILD_TYPE=Release
+          -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
+          -DCMAKE_PREFIX_PATH=${prefix} -DEXAMPLES_DIR=${CMAKE_CURRENT_LIST_DIR}/../../apps/examples
+  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "the users of the converters do not configure:\n${output}")
+endif()
 run(${CMAKE_COMMAND} --build ${build_dir})
 set(hand ${CMAKE_CURRENT_LIST_DIR}/../../meshes/hand.ply)
 run(${build_dir}/register_with_pcl ${hand})
