@@ -19,6 +19,7 @@ namespace {
 
 /// [Hz] Pages begin to play at this rate too.
 constexpr double kUsualRate = 5;
+constexpr double kMegabyte = 1e6;  // bytes
 
 geometry::MeshAnimation read_animation(const std::vector<MotionFrame>& frames, double rate,
                                        const geometry::ReadOptions& options) {
@@ -71,7 +72,8 @@ std::string write_animation(const PageCall& page, const fs::path& output,
       "{} frames of {} vertices in {:.3g} s{}, {:.1f} MB{}", frames.size(),
       animation.first.mesh.vertices.cols(), animation.times.back(),
       rate ? "" : fmt::format(" ({:g} frames per second; --rate sets another rate)", kUsualRate),
-      static_cast<double>(fs::file_size(output)) * 1e-6, lost_in_words(lost_frames(page.input)));
+      static_cast<double>(fs::file_size(output)) / kMegabyte,
+      lost_in_words(lost_frames(page.input)));
 }
 
 }  // namespace palpate::apps

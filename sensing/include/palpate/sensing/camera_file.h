@@ -62,8 +62,8 @@ struct CameraFile {
 /// \throws InvalidInput if the camera is not valid. \throws OutputError.
 void write_camera(const std::filesystem::path& path, const geometry::Camera& camera);
 
-/// Writes a camera as JSON of Open3D's PinholeCameraIntrinsic, with the key `depth_scale`, units of
-/// its depth images a metre, which Open3D leaves unread here and `read_camera_file` reads.
+/// Writes a camera as JSON of Open3D's PinholeCameraIntrinsic, and with it the key `depth_scale`:
+/// the number of units of its depth images in a metre. Only `read_camera_file` reads that key.
 /// \param mm_per_unit [mm] length of one unit of its depth images.
 /// \throws InvalidInput if the camera is not valid or has a lens distortion, which this format does
 /// not hold, or unless the unit is finite and > 0. \throws OutputError.
