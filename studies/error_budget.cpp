@@ -75,7 +75,7 @@ Eigen::Isometry3d turned(double degrees, const Vector3d& axis, const Vector3d& s
 
 template <typename Object>
 probing::Acquisition measured(const Object& object, const Sources& with, unsigned seed) {
-  testing::StripProbing probing{.seed = seed};
+  support::StripProbing probing{.seed = seed};
   if (!with.positions) probing.position_noise = probing.location_noise = 0;
   if (!with.forces) probing.force_noise = 0;
   if (!with.slips) probing.resolution = 0.005;
@@ -84,8 +84,8 @@ probing::Acquisition measured(const Object& object, const Sources& with, unsigne
     probing.spacing_y = 10;
   }
   probing::Acquisition acquisition;
-  testing::ObjectProbe<Object> probe(object, probing);
-  for (const Vector2d& at : testing::strip_places(probing)) {
+  support::ObjectProbe<Object> probe(object, probing);
+  for (const Vector2d& at : support::strip_places(probing)) {
     if (std::abs(at.x()) <= 45 && std::abs(at.y()) <= 45) probe.probe(acquisition, at.x(), at.y());
   }
   if (!with.registration) return acquisition;
@@ -131,9 +131,9 @@ Errors errors_of(const Object& object, const Sources& with, unsigned seed) {
     places.emplace_back(x, uniform(random));
   }
   Errors sum;
-  const std::vector<testing::StripTruth> truths = testing::strip_truths(object, places, 1);
+  const std::vector<support::StripTruth> truths = support::strip_truths(object, places, 1);
   for (std::size_t i = 0; i < truths.size(); ++i) {
-    const testing::StripTruth& truth = truths[i];
+    const support::StripTruth& truth = truths[i];
     const geometry::ClosestPoint place = field.surface().closest_point(truth.contact);
     const haptics::Blend blend = field.blend(place.at);
     const Vector3d tool = truth.contact + truth.displacement;

@@ -51,9 +51,9 @@ std::vector<Vector2d> places(const Area& area, double pitch) {
 
 template <typename Object>
 haptics::Model measured(const Object& object, const std::vector<Vector2d>& at, unsigned seed) {
-  const testing::StripProbing probing{.directions = 4, .seed = seed};
+  const support::StripProbing probing{.directions = 4, .seed = seed};
   probing::Acquisition acquisition;
-  testing::ObjectProbe<Object> probe(object, probing);
+  support::ObjectProbe<Object> probe(object, probing);
   for (const Vector2d& place : at) probe.probe(acquisition, place.x(), place.y());
   return haptics::build_model(probing::CheckedAcquisition(std::move(acquisition)),
                               probing::make_specimen(object)->surface())
@@ -75,8 +75,8 @@ Measured true_error(const Object& object, const Area& area, const haptics::Model
     at.emplace_back(x, area.y * uniform(random));
   }
   double error = 0, force = 0;
-  const std::vector<testing::StripTruth> truths = testing::strip_truths(object, at, 1);
-  for (const testing::StripTruth& truth : truths) {
+  const std::vector<support::StripTruth> truths = support::strip_truths(object, at, 1);
+  for (const support::StripTruth& truth : truths) {
     error += (field.force(truth.contact, truth.displacement) - truth.force).squaredNorm();
     force += truth.force.squaredNorm();
   }

@@ -34,9 +34,9 @@ struct OracleCase {
 template <typename Held, typename Moved>
 void prescribe(OracleCase& c, const Held& held, const Moved& moved,
                const std::function<Vector3d(const Vector3d&)>& motion) {
-  testing::support_where(c.body, [&](const Vector3d& at) { return held(at) || moved(at); });
+  support::support_where(c.body, [&](const Vector3d& at) { return held(at) || moved(at); });
   for (const int node : c.body.supported) c.moved.push_back(moved(c.body.mesh.nodes.col(node)));
-  testing::move_supports(c.body, [&](const Vector3d& at) -> Vector3d {
+  support::move_supports(c.body, [&](const Vector3d& at) -> Vector3d {
     return moved(at) ? motion(at) : Vector3d::Zero();
   });
 }
@@ -48,8 +48,8 @@ OracleCase dented_block(int cells, double bulk_modulus) {
                    " N/mm^2, cells of " + short_text(20.0 / cells) + " mm",
                {},
                {}};
-  c.body.mesh = probing::box_mesh(testing::evenly(-10, 10, cells), testing::evenly(-10, 10, cells),
-                                  testing::evenly(0, 10, cells / 2));
+  c.body.mesh = probing::box_mesh(support::evenly(-10, 10, cells), support::evenly(-10, 10, cells),
+                                  support::evenly(0, 10, cells / 2));
   c.body.materials = {{.shear_modulus = 0.05, .bulk_modulus = bulk_modulus, .mooney_share = 0.3}};
   prescribe(
       c, [](const Vector3d& at) { return at.z() == 10; },
@@ -65,8 +65,8 @@ OracleCase dented_block(int cells, double bulk_modulus) {
 // The same with a flat square punch, whose edges are singular: elements differ most there.
 OracleCase punched_block(int cells) {
   OracleCase c{"punched block, sharp edges, cells of " + short_text(20.0 / cells) + " mm", {}, {}};
-  c.body.mesh = probing::box_mesh(testing::evenly(-10, 10, cells), testing::evenly(-10, 10, cells),
-                                  testing::evenly(0, 10, cells / 2));
+  c.body.mesh = probing::box_mesh(support::evenly(-10, 10, cells), support::evenly(-10, 10, cells),
+                                  support::evenly(0, 10, cells / 2));
   c.body.materials = {{.shear_modulus = 0.05, .bulk_modulus = 0.5, .mooney_share = 0.3}};
   prescribe(
       c, [](const Vector3d& at) { return at.z() == 10; },
@@ -78,8 +78,8 @@ OracleCase punched_block(int cells) {
 // A beam of 40 x 4 x 4 mm; one end moves by 14 mm, so far that the beam is stretched as well.
 OracleCase bent_beam() {
   OracleCase c{"beam, its end moved by 14 of 40 mm, neo-Hookean", {}, {}};
-  c.body.mesh = probing::box_mesh(testing::evenly(0, 40, 20), testing::evenly(-2, 2, 2),
-                                  testing::evenly(-2, 2, 2));
+  c.body.mesh = probing::box_mesh(support::evenly(0, 40, 20), support::evenly(-2, 2, 2),
+                                  support::evenly(-2, 2, 2));
   c.body.materials = {{.shear_modulus = 0.3, .bulk_modulus = 3}};
   prescribe(
       c, [](const Vector3d& at) { return at.x() == 0; },
@@ -91,8 +91,8 @@ OracleCase bent_beam() {
 // A bar of 30 x 12 x 12 mm with a region ten times as stiff, stretched by 30 % and sheared.
 OracleCase stiff_region() {
   OracleCase c{"bar with a stiff region, stretched by 30 %, neo-Hookean", {}, {}};
-  c.body.mesh = probing::box_mesh(testing::evenly(0, 30, 10), testing::evenly(0, 12, 4),
-                                  testing::evenly(0, 12, 4));
+  c.body.mesh = probing::box_mesh(support::evenly(0, 30, 10), support::evenly(0, 12, 4),
+                                  support::evenly(0, 12, 4));
   c.body.materials = {{.shear_modulus = 0.05, .bulk_modulus = 0.5},
                       {.shear_modulus = 0.5, .bulk_modulus = 5}};
   for (Eigen::Index e = 0; e < c.body.mesh.elements.cols(); ++e) {
@@ -198,7 +198,7 @@ void compare_case(const OracleCase& c, const ScratchFolder& folder) {
   }
   const probing::ContactEquilibrium solid(c.body);
   const Eigen::Matrix3Xd ours = solid.rest() - c.body.mesh.nodes;
-  const Eigen::Matrix3Xd forces = testing::node_forces(c.body, solid.rest());
+  const Eigen::Matrix3Xd forces = support::node_forces(c.body, solid.rest());
   Vector3d reaction = Vector3d::Zero();
   std::vector<bool> free(static_cast<std::size_t>(nodes), true);
   for (std::size_t k = 0; k < c.moved.size(); ++k) {

@@ -18,13 +18,13 @@ probing::DeformableBody half_space(const probing::Hyperelastic& material, const 
   std::vector<double> radii{kFirstShell * kContactRadius};
   while (radii.back() < mesh.extent * kContactRadius) radii.push_back(kGrowth * radii.back());
   probing::DeformableBody body;
-  body.mesh = testing::half_ball_mesh(kBox * kContactRadius, mesh.cells, radii);
+  body.mesh = support::half_ball_mesh(kBox * kContactRadius, mesh.cells, radii);
   body.materials = {material};
   constexpr double kOnSphere = 1 - 1e-9;
-  testing::support_where(body,
+  support::support_where(body,
                          [&](const Vector3d& at) { return at.norm() > kOnSphere * radii.back(); });
   if (!force.isZero(0))
-    testing::move_supports(
+    support::move_supports(
         body, [&](const Vector3d& at) { return point_force_displacement(material, force, at); });
   return body;
 }

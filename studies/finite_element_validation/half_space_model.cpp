@@ -32,22 +32,22 @@ void move_disk(const char* what, const Vector3d& displacement) {
                                   3 * a,    6 * a, 12 * a,   24 * a,   48 * a};
   probing::DeformableBody body;
   constexpr double kBox = 0.42;  // [a]
-  body.mesh = testing::half_ball_mesh(kBox * a, 6, radii);
+  body.mesh = support::half_ball_mesh(kBox * a, 6, radii);
   body.materials = {material_of(kModelPoisson)};
   constexpr double kOnSphere = 1e-9;
   const auto on_disk = [&](const Vector3d& at) {
     return at.z() < kOnSphere && at.norm() < a * (1 + kOnSphere);
   };
-  testing::support_where(body, [&](const Vector3d& at) {
+  support::support_where(body, [&](const Vector3d& at) {
     return on_disk(at) || at.norm() > radii.back() * (1 - kOnSphere);
   });
-  testing::move_supports(body, [&](const Vector3d& at) -> Vector3d {
+  support::move_supports(body, [&](const Vector3d& at) -> Vector3d {
     return on_disk(at) ? displacement : Vector3d::Zero();
   });
   const haptics::HalfSpaceModel model = model_of(body.materials[0]);
   const probing::ContactEquilibrium solid(std::move(body));
   Vector3d held = Vector3d::Zero();
-  const Eigen::Matrix3Xd forces = testing::node_forces(solid.body(), solid.rest());
+  const Eigen::Matrix3Xd forces = support::node_forces(solid.body(), solid.rest());
   for (const int node : solid.body().supported)
     if (on_disk(solid.body().mesh.nodes.col(node))) held += forces.col(node);
   const Vector3d direction = displacement.normalized();

@@ -17,10 +17,10 @@ std::vector<Vector3d> displacements(double cell, const std::vector<Vector3d>& pl
                                     const std::vector<Vector3d>& forces) {
   const int across = static_cast<int>(32 / cell), deep = static_cast<int>(12 / cell);
   probing::DeformableBody body;
-  body.mesh = probing::box_mesh(testing::evenly(-16, 16, across), testing::evenly(-16, 16, across),
-                                testing::evenly(0, 12, deep));
+  body.mesh = probing::box_mesh(support::evenly(-16, 16, across), support::evenly(-16, 16, across),
+                                support::evenly(0, 12, deep));
   body.materials = {{.shear_modulus = 0.05, .bulk_modulus = 1}};
-  testing::support_where(body, [](const Vector3d& at) { return at.z() == 12; });
+  support::support_where(body, [](const Vector3d& at) { return at.z() == 12; });
   const probing::ContactEquilibrium solid(std::move(body), {.load_steps = 2});
   std::vector<Vector3d> result;
   for (const Vector3d& place : places) {

@@ -16,22 +16,22 @@ void count_random_paths() {
   constexpr unsigned kPaths = 1000;
   constexpr int kPoints = 4;  // of a path
   struct Case {
-    testing::PathSolid object;
+    support::PathSolid object;
     double friction;
     unsigned paths;
   };
-  const std::vector<Case> cases{{testing::path_block(10, 5, 2), kInfinite, 250},
-                                {testing::path_block(10, 5, 2), 0.6, 250},
-                                {testing::path_block(1000, 5, 2), kInfinite, 250},
-                                {testing::path_sheet(10, 6), kInfinite, 150},
-                                {testing::path_sheet(10, 6), 0.6, 100}};
+  const std::vector<Case> cases{{support::path_block(10, 5, 2), kInfinite, 250},
+                                {support::path_block(10, 5, 2), 0.6, 250},
+                                {support::path_block(1000, 5, 2), kInfinite, 250},
+                                {support::path_sheet(10, 6), kInfinite, 150},
+                                {support::path_sheet(10, 6), 0.6, 100}};
   std::printf("\nRandom paths of a tip of 5 mm: %u, of %d points each\n", kPaths, kPoints);
   unsigned seed = 0;
   for (const Case& one : cases) {
     const probing::ContactEquilibrium solid(one.object.body, {.friction = one.friction});
-    testing::PathCounts counts;
+    support::PathCounts counts;
     for (unsigned i = 0; i < one.paths; ++i)
-      testing::follow_random_path(one.object, solid, seed++, kPoints, counts);
+      support::follow_random_path(one.object, solid, seed++, kPoints, counts);
     std::printf("%s, friction %g: %d paths, %d converged, %d equilibria, deepest %.1f mm\n",
                 one.object.name.c_str(), one.friction, counts.paths, counts.converged,
                 counts.points, counts.deepest);

@@ -36,11 +36,11 @@ double sliding_force(probing::ContactSeries& presses, double normal, double fric
 void slide(const Ball& ball) {
   probing::DeformableBody body;
   const double side = ball.width / 2;
-  body.mesh = probing::box_mesh(testing::evenly(-side, side, ball.cells),
-                                testing::evenly(-side, side, ball.cells),
-                                testing::evenly(0, ball.height, ball.layers));
+  body.mesh = probing::box_mesh(support::evenly(-side, side, ball.cells),
+                                support::evenly(-side, side, ball.cells),
+                                support::evenly(0, ball.height, ball.layers));
   body.materials = {{.shear_modulus = ball.shear_modulus, .bulk_modulus = 20 * ball.shear_modulus}};
-  testing::support_where(body, [&](const Vector3d& at) { return at.z() == ball.height; });
+  support::support_where(body, [&](const Vector3d& at) { return at.z() == ball.height; });
   const probing::ContactEquilibrium solid(std::move(body),
                                           {.tip_radius = ball.radius, .friction = ball.friction});
   const probing::ContactState start = solid.touch(Vector3d::Zero(), Vector3d::UnitZ());

@@ -69,10 +69,10 @@ void measure_half_space() {
 
 void measure_block(int cells, int layers) {
   probing::DeformableBody body;
-  body.mesh = probing::box_mesh(testing::evenly(-20, 20, cells), testing::evenly(-20, 20, cells),
-                                testing::evenly(0, 16, layers));
+  body.mesh = probing::box_mesh(support::evenly(-20, 20, cells), support::evenly(-20, 20, cells),
+                                support::evenly(0, 16, layers));
   body.materials = {{.shear_modulus = 0.05, .bulk_modulus = 0.5}};
-  testing::support_where(body, [](const Vector3d& at) { return at.z() == 16; });
+  support::support_where(body, [](const Vector3d& at) { return at.z() == 16; });
   const probing::ContactEquilibrium solid(std::move(body), {.tolerance = 1e-9});
   const probing::ContactState start = solid.touch({1.5, -2, 0}, Vector3d::UnitZ());
   measure_loops("block, cells of " + short_text(40.0 / cells) + " mm, 1.2 N", solid,

@@ -35,10 +35,10 @@ struct DataSet {
   std::vector<ContactData> contacts;
 };
 
-void add_contacts(DataSet& set, const testing::Strip& strip, unsigned seed) {
-  const testing::StripProbing probing{.seed = seed};
-  const probing::Acquisition acquisition = testing::strip_acquisition(strip, probing);
-  const std::vector<Eigen::Vector2d> places = testing::strip_places(probing);
+void add_contacts(DataSet& set, const support::Strip& strip, unsigned seed) {
+  const support::StripProbing probing{.seed = seed};
+  const probing::Acquisition acquisition = support::strip_acquisition(strip, probing);
+  const std::vector<Eigen::Vector2d> places = support::strip_places(probing);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const haptics::ForceSamples samples =
         haptics::realign(acquisition.contacts[i], acquisition.samples);
@@ -46,7 +46,7 @@ void add_contacts(DataSet& set, const testing::Strip& strip, unsigned seed) {
     contact.truth_displacements.resize(3, kTruths);
     contact.truth_forces.resize(3, kTruths);
     Eigen::Index column = 0;
-    for (const auto& truth : testing::strip_truths(strip, {places[i]}, kTruths)) {
+    for (const auto& truth : support::strip_truths(strip, {places[i]}, kTruths)) {
       contact.truth_displacements.col(column) = truth.displacement;
       contact.truth_forces.col(column++) = truth.force;
     }
@@ -59,7 +59,7 @@ DataSet sheets(bool block) {
   DataSet set{block ? "sheet with block" : "sheet", {}};
   for (const unsigned seed : {1U, 2U}) {
     const double way = seed == 1 ? -1 : 1;
-    testing::Strip strip{
+    support::Strip strip{
         .tension = 0.8 + 0.1 * way, .axial = 42 - 5 * way, .compliance = 0.25 + 0.04 * way};
     if (block) {
       strip.block = 1.5;

@@ -86,9 +86,9 @@ double varied(double value, std::mt19937& random) {
   return value * std::uniform_real_distribution<double>(0.8, 1.25)(random);
 }
 
-testing::Beam varied_beam(double local_variation, unsigned seed) {
+support::Beam varied_beam(double local_variation, unsigned seed) {
   std::mt19937 random(seed);
-  testing::Beam beam{.local_variation = local_variation};
+  support::Beam beam{.local_variation = local_variation};
   for (double* value : {&beam.shear, &beam.pressed, &beam.pressed_force, &beam.coupled,
                         &beam.bending, &beam.sideways, &beam.twisting}) {
     *value = varied(*value, random);
@@ -96,9 +96,9 @@ testing::Beam varied_beam(double local_variation, unsigned seed) {
   return beam;
 }
 
-testing::Strip varied_sheet(bool block, unsigned seed) {
+support::Strip varied_sheet(bool block, unsigned seed) {
   std::mt19937 random(seed);
-  testing::Strip sheet;
+  support::Strip sheet;
   for (double* value : {&sheet.tension, &sheet.axial, &sheet.compliance}) {
     *value = varied(*value, random);
   }
@@ -123,7 +123,7 @@ void add_object(const Object& object, const std::vector<Eigen::Vector2d>& places
     full.push_back(own_error(probed.dense[i], probed.truth[i], noise));
   }
   for (std::size_t k = 0; k < kPlans.size(); ++k) {
-    const testing::StripProbing sparse{.normal_forces = kPlans[k].normal_forces,
+    const support::StripProbing sparse{.normal_forces = kPlans[k].normal_forces,
                                        .directions = kPlans[k].directions,
                                        .seed = 1000 * seed + 500};
     add_plan(probed, haptics::sparse_samples(object, places, sparse, kRatio), errors[k]);
@@ -151,15 +151,15 @@ void measure_sharing(unsigned seeds) {
   for (const double variation : {0.0, 0.1}) {
     std::vector<Errors> errors(kPlans.size());
     for (unsigned seed = 1; seed <= seeds; ++seed) {
-      const testing::Beam beam = varied_beam(variation, seed);
-      add_object(beam, testing::beam_places(beam), seed, errors);
+      const support::Beam beam = varied_beam(variation, seed);
+      add_object(beam, support::beam_places(beam), seed, errors);
     }
     print_rows(variation > 0 ? "beam of uneven foam" : "beam", errors);
   }
   for (const bool block : {false, true}) {
     std::vector<Errors> errors(kPlans.size());
     for (unsigned seed = 1; seed <= seeds; ++seed) {
-      add_object(varied_sheet(block, seed), testing::strip_places(), seed, errors);
+      add_object(varied_sheet(block, seed), support::strip_places(), seed, errors);
     }
     print_rows(block ? "sheet with block" : "sheet", errors);
   }

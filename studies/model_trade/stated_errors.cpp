@@ -42,22 +42,22 @@ std::vector<haptics::Query> queries(const Object& object, double x, double y) {
     places.emplace_back(at, across(random));
   }
   std::vector<haptics::Query> result;
-  for (const auto& truth : testing::strip_truths(object, places, 1, kStatedSeed))
+  for (const auto& truth : support::strip_truths(object, places, 1, kStatedSeed))
     result.push_back({truth.contact, truth.displacement, truth.force});
   return result;
 }
 
-Measured sheet(const std::string& name, const testing::Strip& strip,
-               const testing::StripProbing& probing) {
-  return {name, testing::strip_acquisition(strip, probing),
+Measured sheet(const std::string& name, const support::Strip& strip,
+               const support::StripProbing& probing) {
+  return {name, support::strip_acquisition(strip, probing),
           probing::make_specimen(strip)->surface(), queries(strip, 40, 58)};
 }
 
 template <typename Object>
-Measured sparse(const std::string& name, const Object& object, const testing::StripProbing& probing,
+Measured sparse(const std::string& name, const Object& object, const support::StripProbing& probing,
                 const std::vector<Eigen::Vector2d>& places, double ratio, double x, double y) {
   Measured result{name, {}, probing::make_specimen(object)->surface(), queries(object, x, y)};
-  testing::ObjectProbe<Object> probe(object, probing);
+  support::ObjectProbe<Object> probe(object, probing);
   for (const Eigen::Vector2d& at : places)
     probe.probe_sparsely(result.acquisition, at.x(), at.y(), ratio);
   return result;
@@ -74,9 +74,9 @@ class Draw {
   std::mt19937 random_;
 };
 
-testing::Strip drawn_sheet(unsigned seed, bool with_block) {
+support::Strip drawn_sheet(unsigned seed, bool with_block) {
   Draw draw(seed);
-  testing::Strip sheet;
+  support::Strip sheet;
   sheet.tension = draw(0.6, 1.1);
   sheet.axial = draw(30, 60);
   sheet.compliance = draw(0.15, 0.4);
@@ -106,9 +106,9 @@ probing::Beam drawn_beam(unsigned seed) {
 }
 
 Measured measured_beam(const std::string& name, const probing::Beam& beam,
-                       const testing::StripProbing& probing) {
+                       const support::StripProbing& probing) {
   Measured made{name, {}, probing::make_specimen(beam)->surface(), {}};
-  testing::ObjectProbe<probing::Beam> probe(beam, probing);
+  support::ObjectProbe<probing::Beam> probe(beam, probing);
   for (double x = 20; x <= 180; x += 20)
     for (const double y : {-14.0, 0.0, 14.0}) probe.probe_sparsely(made.acquisition, x, y, 0.5);
   std::mt19937 random(kStatedSeed);
@@ -118,30 +118,30 @@ Measured measured_beam(const std::string& name, const probing::Beam& beam,
     const double there = x(random);
     places.emplace_back(there, y(random));
   }
-  for (const auto& truth : testing::strip_truths(beam, places, 1, kStatedSeed))
+  for (const auto& truth : support::strip_truths(beam, places, 1, kStatedSeed))
     made.truth.push_back({truth.contact, truth.displacement, truth.force});
   return made;
 }
 
 std::vector<std::pair<std::string, std::function<Measured(const std::string&)>>> kinds(
     unsigned seed) {
-  const testing::Strip plain;
-  testing::Strip block;
+  const support::Strip plain;
+  support::Strip block;
   block.block = 1.5;
-  testing::Strip deep = block;
+  support::Strip deep = block;
   deep.block = 3;
   deep.depth = 10;
-  const testing::StripProbing rich, few{.normal_forces = {0.5, 1.5, 3}, .directions = 3};
-  testing::StripProbing wide;
+  const support::StripProbing rich, few{.normal_forces = {0.5, 1.5, 3}, .directions = 3};
+  support::StripProbing wide;
   wide.spacing_x = 28;
   wide.spacing_y = 28;
   const probing::Beam beam{.local_variation = 0.3};
-  testing::StripProbing noisy = few;
+  support::StripProbing noisy = few;
   noisy.force_noise = 0.04;
   noisy.position_noise = noisy.location_noise = 0.08;
-  const auto few_at = [](const std::string& name, const testing::Strip& strip,
-                         const testing::StripProbing& probing) {
-    return sparse(name, strip, probing, testing::strip_places(probing), 0.5, 40, 58);
+  const auto few_at = [](const std::string& name, const support::Strip& strip,
+                         const support::StripProbing& probing) {
+    return sparse(name, strip, probing, support::strip_places(probing), 0.5, 40, 58);
   };
   return {
       {"sheet", [=](const auto& name) { return sheet(name, plain, rich); }},

@@ -34,17 +34,17 @@ TradeSolid trade_block(double height) {
   solid.body.mesh =
       probing::box_mesh(mirrored({4, 8, 12, 16, 20, 24, 32, 44, 60}), mirrored({4, 8, 16, 36}), z);
   solid.body.materials = {{.shear_modulus = 0.03, .bulk_modulus = 0.3}};
-  testing::support_where(solid.body, [&](const Vector3d& at) { return at.z() == height; });
+  support::support_where(solid.body, [&](const Vector3d& at) { return at.z() == height; });
   return solid;
 }
 
 TradeSolid trade_sheet() {
   TradeSolid solid{.name = "stretched sheet", .body = {}};
   solid.body.mesh =
-      probing::box_mesh(testing::evenly(-50, 50, 20), testing::evenly(-30, 30, 12), {0, 2});
+      probing::box_mesh(support::evenly(-50, 50, 20), support::evenly(-30, 30, 12), {0, 2});
   solid.body.materials = {{.shear_modulus = 0.2, .bulk_modulus = 4}};
-  testing::support_where(solid.body, [](const Vector3d& at) { return std::abs(at.x()) == 50; });
-  testing::move_supports(
+  support::support_where(solid.body, [](const Vector3d& at) { return std::abs(at.x()) == 50; });
+  support::move_supports(
       solid.body, [](const Vector3d& at) { return Vector3d(std::copysign(5, at.x()), 0, 0); });
   return solid;
 }

@@ -10,14 +10,14 @@
 namespace palpate::bench {
 
 void validate_faults(unsigned seeds) {
-  using probing::testing::FaultOutcome;
+  using probing::support::FaultOutcome;
   std::printf("Faults, %u seeds each\n%-28s %12s %8s %8s %8s %8s\n", seeds, "found as",
               "ticks, most", "named", "safe", "stays", "resumed");
-  for (const auto& [fault, name] : probing::testing::kInjectedFaults) {
+  for (const auto& [fault, name] : probing::support::kInjectedFaults) {
     int ticks = 0;
     unsigned named = 0, safe = 0, stays = 0, resumed = 0;
     for (unsigned seed = 1; seed <= seeds; ++seed) {
-      const FaultOutcome outcome = probing::testing::outcome_of_fault(fault, seed);
+      const FaultOutcome outcome = probing::support::outcome_of_fault(fault, seed);
       ticks = std::max(ticks, outcome.ticks);
       named += outcome.found == name && outcome.before == probing::ArmFault::none ? 1 : 0;
       safe += outcome.is_safe ? 1 : 0;

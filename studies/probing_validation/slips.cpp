@@ -121,7 +121,7 @@ void validate_slips(int trials) {
   std::printf("Slip decisions: trials; wrong below 0.9 of the limit, above 1.1, in all\n");
   SlipCounts simulated;
   for (int seed = 1; seed <= trials; ++seed) {
-    const auto each = probing::testing::simulate_trial(static_cast<unsigned>(seed));
+    const auto each = probing::support::simulate_trial(static_cast<unsigned>(seed));
     const auto judged = probing::judge_slip(each.trial);
     simulated.add(each.load, !judged || judged->slipped != each.slipped);
   }

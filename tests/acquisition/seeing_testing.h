@@ -15,7 +15,7 @@
 #include "repository.h"
 
 // Shared by the tests of cameras: the bundled rig before an elastic body.
-namespace palpate::acquisition::testing {
+namespace palpate::acquisition::support {
 
 inline std::shared_ptr<const probing::Specimen> soft_body() {
   static const std::shared_ptr<const probing::Specimen> body = probing::make_specimen(
@@ -44,4 +44,4 @@ inline const sensing::TrainedColors& bundled_colors() {
   return colors;
 }
 
-}  // namespace palpate::acquisition::testing
+}  // namespace palpate::acquisition::support

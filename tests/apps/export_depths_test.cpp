@@ -19,7 +19,7 @@ namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 using Words = std::vector<std::string>;
 
 class ExportDepths : public ::testing::Test {

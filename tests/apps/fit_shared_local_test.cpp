@@ -26,11 +26,11 @@ class FitSharedLocal : public ::testing::Test {
     CommandResult result;
 
     Whole() {
-      const palpate::testing::Beam beam;
+      const palpate::support::Beam beam;
       probing::write_acquisition(store,
-                                 palpate::testing::beam_acquisition(
+                                 palpate::support::beam_acquisition(
                                      beam, 5, {.directions = 6, .resolution = 0.4, .seed = 41}));
-      geometry::write_mesh(surface, palpate::testing::beam_surface(beam));
+      geometry::write_mesh(surface, palpate::support::beam_surface(beam));
       result = run_palpate({"fit", store, surface, "-o", model, "--json", "--dense-samples", "40"});
     }
   };

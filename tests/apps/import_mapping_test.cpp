@@ -25,10 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using palpate::testing::mat_structure;
-using palpate::testing::mat_variable;
-using palpate::testing::mat_variables;
-using palpate::testing::write_mat;
+using palpate::support::mat_structure;
+using palpate::support::mat_variable;
+using palpate::support::mat_variables;
+using palpate::support::write_mat;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;

@@ -14,12 +14,12 @@
 namespace {
 
 namespace haptics = palpate::haptics;
-namespace testing = palpate::testing;
+namespace support = palpate::support;
 
 /// The contacts of a sheet, with a block below it or without.
 void fit_against_interpolation(benchmark::State& state, bool block) {
   const palpate::probing::Acquisition acquisition =
-      testing::strip_acquisition({.block = block ? 1.5 : 0.0});
+      support::strip_acquisition({.block = block ? 1.5 : 0.0});
   std::vector<haptics::ForceSamples> contacts;
   for (const palpate::probing::Contact& contact : acquisition.contacts)
     contacts.push_back(haptics::realign(contact, acquisition.samples));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kTheme = "degenerate";
 
-class DegenerateInput : public testing::TestWithParam<Operation> {};
+class DegenerateInput : public ::testing::TestWithParam<Operation> {};
 
 TEST_P(DegenerateInput, HasFiniteResultsOrIsRefused) {
   const Operation& operation = GetParam();
@@ -37,7 +37,7 @@ TEST_P(DegenerateInput, HasFiniteResultsOrIsRefused) {
   judge(operation, kTheme, findings);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DegenerateInput, testing::ValuesIn(operations()),
+INSTANTIATE_TEST_SUITE_P(All, DegenerateInput, ::testing::ValuesIn(operations()),
                          [](const auto& one) { return test_name(one.param); });
 
 }  // namespace

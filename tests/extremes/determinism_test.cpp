@@ -64,7 +64,7 @@ Outcome outcome_in(const Host& host, const Operation& operation) {
       .front();
 }
 
-class Determinism : public testing::TestWithParam<Operation> {};
+class Determinism : public ::testing::TestWithParam<Operation> {};
 
 TEST_P(Determinism, ResultsAreTheSameInAnyHost) {
   const Operation& operation = GetParam();
@@ -82,7 +82,7 @@ TEST_P(Determinism, ResultsAreTheSameInAnyHost) {
   judge(operation, "hosts", findings);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Determinism, testing::ValuesIn(operations()),
+INSTANTIATE_TEST_SUITE_P(All, Determinism, ::testing::ValuesIn(operations()),
                          [](const auto& one) { return test_name(one.param); });
 
 }  // namespace

@@ -172,7 +172,7 @@ std::string attempt(const Operation& operation, const Trial& trial) {
   return trial.is_allowed ? report : report_of_wrong("is outside its range, and taken");
 }
 
-class OptionFields : public testing::TestWithParam<Operation> {};
+class OptionFields : public ::testing::TestWithParam<Operation> {};
 
 TEST_P(OptionFields, AreRefusedByNameOrDoneSoon) {
   const Operation& operation = GetParam();
@@ -193,7 +193,7 @@ TEST_P(OptionFields, AreRefusedByNameOrDoneSoon) {
   judge(operation, "options", findings);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, OptionFields, testing::ValuesIn(all_operations()),
+INSTANTIATE_TEST_SUITE_P(All, OptionFields, ::testing::ValuesIn(all_operations()),
                          [](const auto& one) { return test_name(one.param); });
 
 /// The names of the structs that a library lists.

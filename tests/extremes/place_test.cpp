@@ -58,7 +58,7 @@ const std::vector<Case>& orders() {
   return all;
 }
 
-class Place : public testing::TestWithParam<Operation> {};
+class Place : public ::testing::TestWithParam<Operation> {};
 
 TEST_P(Place, ResultsMoveWithTheObject) {
   const Operation& operation = GetParam();
@@ -101,7 +101,7 @@ TEST_P(Place, ResultsMoveWithTheObject) {
   if (cases.size() > moved_cases) judge(operation, "orders", part(moved_cases, cases.size()));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Place, testing::ValuesIn(operations()),
+INSTANTIATE_TEST_SUITE_P(All, Place, ::testing::ValuesIn(operations()),
                          [](const auto& one) { return test_name(one.param); });
 
 }  // namespace

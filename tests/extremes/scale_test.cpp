@@ -28,7 +28,7 @@ std::string name_of(const Unit& unit) {
   return fmt::format("length 2^{}, force 2^{}", unit.length, unit.force);
 }
 
-class Scale : public testing::TestWithParam<Operation> {};
+class Scale : public ::testing::TestWithParam<Operation> {};
 
 TEST_P(Scale, ResultsAreTheSameInAnotherUnit) {
   const Operation& operation = GetParam();
@@ -69,7 +69,7 @@ TEST_P(Scale, ResultsAreTheSameInAnotherUnit) {
   judge_next("2^100", absurd);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Scale, testing::ValuesIn(operations()),
+INSTANTIATE_TEST_SUITE_P(All, Scale, ::testing::ValuesIn(operations()),
                          [](const auto& one) { return test_name(one.param); });
 
 }  // namespace

@@ -77,7 +77,7 @@ inline double weight_sum(const ForceField& field) {
 }
 
 /// [N/mm] at zero, in the softest direction.
-inline double smallest_stiffness(const ForceField& field) {
+inline double stiffness_at_zero(const ForceField& field) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness(field, Eigen::Vector3d::Zero()))
       .eigenvalues()[0];
 }

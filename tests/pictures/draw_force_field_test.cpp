@@ -52,7 +52,7 @@ cv::Mat3b force_field_picture(const Contact& contact) {
 }
 
 /// The picture of the contact as it is, drawn once for all tests.
-const cv::Mat3b& plain_picture() {
+const cv::Mat3b& field_picture() {
   static const cv::Mat3b picture = force_field_picture({});
   return picture;
 }
@@ -62,7 +62,7 @@ int count(const cv::Mat3b& picture, const Rgb& color, const Region& region) {
 }
 
 TEST(DrawForceField, TellsStickingFromSlippingSamples) {
-  const cv::Mat3b& both = plain_picture();
+  const cv::Mat3b& both = field_picture();
   EXPECT_EQ(both.size(), cv::Size(1200, 820));
   for (const Region& region : {kFieldScene, kFrictionChart}) {
     EXPECT_GT(count(both, kBlue, region), 50);
@@ -140,7 +140,7 @@ TEST(DrawForceField, DrawsAContactWithoutFriction) {
 }
 
 TEST(DrawForceField, ShowsWhetherTheFitIsGood) {
-  const int on_line = count(plain_picture(), kBlack, kFitChart);
+  const int on_line = count(field_picture(), kBlack, kFitChart);
   Contact contact;
   contact.fit.field = [](const Eigen::Vector3d& displacement) -> Eigen::Vector3d {
     return 0.6 * displacement + Eigen::Vector3d(0, std::sin(9 * displacement.z()), 0);

@@ -10,7 +10,7 @@
 #include "strip_acquisition.h"
 
 // Measurements of a foam beam clamped at one end whose truth is known (probing/closed_form.h).
-namespace palpate::testing {
+namespace palpate::support {
 
 using probing::Beam;
 
@@ -68,4 +68,4 @@ inline geometry::TriangleMesh beam_surface(const Beam& beam = {}) {
   return mesh;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

@@ -21,11 +21,11 @@ inline ForceSamples turned(ForceSamples samples, const Eigen::Matrix3d& rotation
 template <typename Object>
 std::vector<ForceSamples> sparse_samples(const Object& object,
                                          const std::vector<Eigen::Vector2d>& places,
-                                         testing::StripProbing probing, double ratio) {
+                                         support::StripProbing probing, double ratio) {
   std::vector<ForceSamples> result;
   for (const Eigen::Vector2d& at : places) {
     probing::Acquisition acquisition;
-    testing::ObjectProbe<Object>(object, probing)
+    support::ObjectProbe<Object>(object, probing)
         .probe_sparsely(acquisition, at.x(), at.y(), ratio);
     ++probing.seed;
     result.push_back(turned(realign(acquisition.contacts[0], acquisition.samples),
@@ -36,8 +36,8 @@ std::vector<ForceSamples> sparse_samples(const Object& object,
 
 /// Settings for probing contacts densely and sparsely.
 struct SparseProbing {
-  testing::StripProbing dense;
-  testing::StripProbing sparse{.normal_forces = {0.8, 2.4}, .directions = 4, .seed = 101};
+  support::StripProbing dense;
+  support::StripProbing sparse{.normal_forces = {0.8, 2.4}, .directions = 4, .seed = 101};
   double ratio = 0.5;  ///< tangential over normal force at sparsely probed contacts
 };
 
@@ -56,14 +56,14 @@ ProbedContacts probed_contacts(const Object& object, const std::vector<Eigen::Ve
   for (const Eigen::Vector2d& at : places) {
     const Eigen::Matrix3d frame = frame_at(object, at.x(), at.y());
     probing::Acquisition dense;
-    testing::ObjectProbe<Object>(object, probing.dense).probe(dense, at.x(), at.y());
+    support::ObjectProbe<Object>(object, probing.dense).probe(dense, at.x(), at.y());
     ++probing.dense.seed;
     result.dense.push_back(turned(realign(dense.contacts[0], dense.samples), frame));
     ForceSamples truth;
     truth.displacements.resize(3, kTruths);
     truth.forces.resize(3, kTruths);
     Eigen::Index column = 0;
-    for (const auto& pair : testing::strip_truths(object, {at}, kTruths, probing.dense.seed)) {
+    for (const auto& pair : support::strip_truths(object, {at}, kTruths, probing.dense.seed)) {
       truth.displacements.col(column) = pair.displacement;
       truth.forces.col(column++) = pair.force;
     }

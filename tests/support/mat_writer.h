@@ -14,7 +14,7 @@
 #include <vector>
 
 // MAT files written by libmatio, as other programs write them.
-namespace palpate::testing {
+namespace palpate::support {
 
 struct MatVariableDelete {
   void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
@@ -61,4 +61,4 @@ std::vector<MatVariable> mat_variables(Variables... variables) {
   return result;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

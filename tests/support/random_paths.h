@@ -20,7 +20,7 @@
 
 // Random ways of a tip on solids, far beyond what a campaign orders: each must converge, or end by
 // a named stop.
-namespace palpate::testing {
+namespace palpate::support {
 
 struct PathSolid {
   std::string name;
@@ -188,4 +188,4 @@ inline void follow_random_path(const PathSolid& object, const probing::ContactEq
   }
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

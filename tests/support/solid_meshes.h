@@ -17,7 +17,7 @@
 #include "palpate/probing/contact_equilibrium.h"
 
 // Solids of finite elements whose answers are known. Lengths in mm.
-namespace palpate::testing {
+namespace palpate::support {
 
 /// Coordinates that divide a length evenly.
 inline std::vector<double> evenly(double from, double to, int cells) {
@@ -169,4 +169,4 @@ inline Eigen::Matrix3Xd node_forces(const probing::DeformableBody& body,
   return forces;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// [mm] Displacement of a rigid ball that sticks where it touches an elastic half-space, under a
 /// force [N] whose direction stays the same while it grows (z into the object; Hertz, Mindlin and
@@ -23,4 +23,4 @@ inline Eigen::Vector3d sticking_ball(const Eigen::Vector3d& force) {
   return {across * force.x(), across * force.y(), contact * contact / kRadius};
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

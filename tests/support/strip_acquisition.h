@@ -14,7 +14,7 @@
 
 // Measurements of a stretched sheet whose truth is known (probing/closed_form.h), in the order and
 // with the noise of a simple probing.
-namespace palpate::testing {
+namespace palpate::support {
 
 using Strip = probing::Sheet;
 using StripCone = probing::LocalCone;
@@ -201,4 +201,4 @@ inline probing::Acquisition strip_contact(double x, double y, const Strip& strip
   return acquisition;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

@@ -17,7 +17,7 @@ namespace {
 
 /// Upper limits: a graph with more nodes cannot be solved, and no frame needs more steps.
 constexpr int kMostNodes = 100000;
-constexpr int kMostSteps = 10000;
+constexpr int kMostIterations = 10000;
 
 /// Share of the vertices facing the camera that lie on the measured surface.
 double visible_fraction(const DeformedSurface& surface) {
@@ -126,7 +126,7 @@ void visit(TrackingOptions& options, FieldVisitor& visitor) {
                 "fraction of the reference's diagonal"},
                options.reach, at_least(NonRigidOptions{}.min_correspondence).at_most(1));
   visitor.whole({"iterations", "Largest number of registration steps per frame"},
-                options.iterations, at_least(1).at_most(kMostSteps));
+                options.iterations, at_least(1).at_most(kMostIterations));
   visitor.real({"min_visible",
                 "A frame is lost if a smaller fraction of the vertices that face the camera lies "
                 "on the measured surface"},

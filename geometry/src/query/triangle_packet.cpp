@@ -22,7 +22,7 @@ using Vector3Lanes = std::array<Lanes, 3>;
 }
 
 /// Smaller squares are not used as divisors: edges and areas of that size are lost in rounding.
-constexpr float kTiny = std::numeric_limits<float>::min();
+constexpr float kLeastFloat = std::numeric_limits<float>::min();
 
 }  // namespace
 
@@ -55,10 +55,10 @@ Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& pack
   const Lanes bp = dot(ab, ap), cp = dot(ac, ap), pp = dot(ap, ap);
 
   // The edge from a corner to which the point has the offset o: o.o - 2 s (o.e) + s^2 (e.e).
-  const Lanes s_ab = (bp / bb.max(kTiny)).max(0.0F).min(1.0F);
-  const Lanes s_ac = (cp / cc.max(kTiny)).max(0.0F).min(1.0F);
+  const Lanes s_ab = (bp / bb.max(kLeastFloat)).max(0.0F).min(1.0F);
+  const Lanes s_ac = (cp / cc.max(kLeastFloat)).max(0.0F).min(1.0F);
   const Lanes along_bc = cp - bp - bc + bb, square_bc = bb + cc - 2.0F * bc;
-  const Lanes s_bc = (along_bc / square_bc.max(kTiny)).max(0.0F).min(1.0F);
+  const Lanes s_bc = (along_bc / square_bc.max(kLeastFloat)).max(0.0F).min(1.0F);
   const Lanes to_ab = pp - s_ab * (2.0F * bp - s_ab * bb);
   const Lanes to_ac = pp - s_ac * (2.0F * cp - s_ac * cc);
   const Lanes to_bc = pp - 2.0F * bp + bb - s_bc * (2.0F * along_bc - s_bc * square_bc);
@@ -67,7 +67,7 @@ Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& pack
 
   const Vector3Lanes normal = cross(ab, ac);
   const Lanes height = dot(normal, ap), area = dot(normal, normal);
-  const Lanes inverse = area.max(kTiny).inverse();
+  const Lanes inverse = area.max(kLeastFloat).inverse();
   const Lanes v = dot(cross(ap, ac), normal) * inverse, w = dot(cross(ab, ap), normal) * inverse;
   const Lanes outside = (-v).max(-w).max(v + w - 1.0F) - kOutside;
   const Lanes to_plane = height * height * inverse + outside.max(0.0F) * kFar;

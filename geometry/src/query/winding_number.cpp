@@ -28,7 +28,7 @@ constexpr double kOpenAtOnce = 1;
 constexpr double kFarAway = 1e30;
 constexpr double kFullAngle = 4 * std::numbers::pi;
 /// Inside is where the winding number exceeds this.
-constexpr double kInside = 0.5;
+constexpr double kInsideValue = 0.5;
 
 /// Solid angle of a triangle seen from the origin (van Oosterom and Strackee 1983).
 double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
@@ -269,8 +269,8 @@ bool WindingNumber::contains(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d local = tree_->frame.to_local(point);
   if (!(local.cwiseAbs().maxCoeff() <= kFarAway)) return false;
   return tree_->sum(local, [](const winding::Estimate& e) {
-    return std::abs(e.value - kInside) > e.bound;
-  }) > kInside;
+    return std::abs(e.value - kInsideValue) > e.bound;
+  }) > kInsideValue;
 }
 
 Eigen::VectorXd winding_numbers(const WindingNumber& winding,

@@ -103,8 +103,8 @@ bool well_seen(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::
 ///     a b     falling diagonal (a d): first (a c d), second (a d b)
 ///     c d     rising diagonal (b c):  first (a c b), second (b c d)
 using Cell = std::uint8_t;
-constexpr Cell kFirst = 1;
-constexpr Cell kSecond = 2;
+constexpr Cell kFirstTriangle = 1;
+constexpr Cell kSecondTriangle = 2;
 constexpr Cell kRising = 4;
 
 /// The corners of a cell by number: a b c d.
@@ -116,8 +116,8 @@ constexpr std::array<std::array<CellTriangle, 2>, 2> kTriangles = {
 template <typename Visit>
 void for_each_triangle(Cell cell, const Visit& visit) {
   const auto& [first, second] = kTriangles[(cell & kRising) != 0 ? 1 : 0];
-  if ((cell & kFirst) != 0) visit(first);
-  if ((cell & kSecond) != 0) visit(second);
+  if ((cell & kFirstTriangle) != 0) visit(first);
+  if ((cell & kSecondTriangle) != 0) visit(second);
 }
 
 /// The corners of each cell that are in a triangle, corner k as bit k.
@@ -152,13 +152,13 @@ void join_row(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double mi
     Cell cell = 0;
     if (std::isnan(rising) || falling <= rising) {
       if (steps.joined_falling(row, col)) {
-        if (left && bottom && seen(kTriangles[0][0])) cell |= kFirst;
-        if (top && right && seen(kTriangles[0][1])) cell |= kSecond;
+        if (left && bottom && seen(kTriangles[0][0])) cell |= kFirstTriangle;
+        if (top && right && seen(kTriangles[0][1])) cell |= kSecondTriangle;
       }
     } else if (steps.joined_rising(row, col)) {
       cell = kRising;
-      if (left && top && seen(kTriangles[1][0])) cell |= kFirst;
-      if (bottom && right && seen(kTriangles[1][1])) cell |= kSecond;
+      if (left && top && seen(kTriangles[1][0])) cell |= kFirstTriangle;
+      if (bottom && right && seen(kTriangles[1][1])) cell |= kSecondTriangle;
     }
     cells(row + 1, col + 1) = cell;
     left = right;
@@ -229,7 +229,7 @@ void take_triangles(const Cells& cells, const std::vector<int>& vertex, RangeMap
   const auto starts = row_starts(rows_of_cells, [&](Eigen::Index row) {
     Eigen::Index count = 0;
     for (const Cell cell : cells.row(row + 1))
-      count += (cell & kFirst) + (cell & kSecond) / kSecond;
+      count += (cell & kFirstTriangle) + (cell & kSecondTriangle) / kSecondTriangle;
     return count;
   });
   result.mesh.triangles.resize(3, starts.back());

@@ -67,7 +67,7 @@ void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
 }
 
 // Root mean square of the columns' lengths, without overflow.
-double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& columns) {
+double rms_length(const Eigen::Ref<const Eigen::Matrix3Xd>& columns) {
   const double largest = columns.cwiseAbs().maxCoeff();
   if (largest == 0) return 0;
   return largest * std::sqrt((columns / largest).colwise().squaredNorm().mean());
@@ -101,7 +101,7 @@ ScaledSamples scaled(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
   const std::vector<Eigen::Index> order = canonical_order(displacements, forces);
   const auto unit_of = [](double size) { return size > 0 ? size : 1; };
   Eigen::Matrix3Xd d = displacements(Eigen::all, order), f = forces(Eigen::all, order);
-  const double length = unit_of(extent(d)), force_scale = unit_of(extent(f));
+  const double length = unit_of(rms_length(d)), force_scale = unit_of(rms_length(f));
   d /= length;
   f /= force_scale;
   const SampleNoise noise{options.noise.displacement.value_or(kDisplacementNoise) / length,

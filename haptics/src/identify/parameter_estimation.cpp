@@ -16,8 +16,8 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr const char* kDisplacementNoise = "IdentifyOptions::displacement_noise";
-constexpr const char* kForceNoise = "IdentifyOptions::force_noise";
+constexpr const char* kDisplacementNoiseField = "IdentifyOptions::displacement_noise";
+constexpr const char* kForceNoiseField = "IdentifyOptions::force_noise";
 
 /// Huber's loss is linear beyond this many standard deviations, which 3 % of valid pairs exceed
 /// (chi of three numbers).
@@ -142,15 +142,15 @@ void judge(const Problem& problem, const std::vector<Eigen::Vector3d>& residual,
 
 /// Covariance of parameters in units of their scales. In a direction that the data do not
 /// determine, they are uncertain by their scales.
-struct Covariance {
+struct ParameterCovariance {
   std::vector<Eigen::Index> free;  ///< the parameters that it is of: all that no bound holds
   Eigen::MatrixXd matrix;
   std::vector<bool> determined;
 };
 
-Covariance covariance_of(const ParametricLaw& law, const Eigen::VectorXd& at,
-                         const NormalEquations& normal) {
-  Covariance result;
+ParameterCovariance covariance_of(const ParametricLaw& law, const Eigen::VectorXd& at,
+                                  const NormalEquations& normal) {
+  ParameterCovariance result;
   for (Eigen::Index k = 0; k < at.size(); ++k)
     if (!held_by_bound(law, at, normal, k)) result.free.push_back(k);
   if (result.free.empty()) return result;
@@ -174,7 +174,8 @@ Covariance covariance_of(const ParametricLaw& law, const Eigen::VectorXd& at,
 /// The covariance that the scatter of the contacts shows, where the pairs of a contact share errors
 /// (Liang and Zeger 1986).
 Eigen::MatrixXd covariance_by_contacts(const Problem& problem, const Weights& weights,
-                                       const Predictions& predictions, const Covariance& all) {
+                                       const Predictions& predictions,
+                                       const ParameterCovariance& all) {
   const Eigen::Index count = std::ssize(all.free);
   Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(count, count);
   double contacts = 0;
@@ -212,7 +213,7 @@ void describe(const ParametricLaw& law, const Eigen::VectorXd& at, const NormalE
     estimate.status = ParameterStatus::at_bound;
     estimate.value = at[k];
   }
-  const Covariance covariance = covariance_of(law, at, normal);
+  const ParameterCovariance covariance = covariance_of(law, at, normal);
   for (std::size_t i = 0; i < covariance.free.size(); ++i) {
     if (!covariance.determined[i]) continue;
     const Eigen::Index k = covariance.free[i], row = static_cast<Eigen::Index>(i);
@@ -234,7 +235,7 @@ void describe(const ParametricLaw& law, const Eigen::VectorXd& at, const NormalE
 /// Makes each standard error at least what the scatter of the contacts shows.
 void widen_by_contacts(const Problem& problem, const Weights& weights, const SearchResult& found,
                        Identification& report) {
-  const Covariance covariance = covariance_of(
+  const ParameterCovariance covariance = covariance_of(
       problem.law, found.parameters, normal_equations(problem, weights, found.predictions));
   const Eigen::MatrixXd shown =
       covariance_by_contacts(problem, weights, found.predictions, covariance);
@@ -286,12 +287,13 @@ bool rests(const ParametricLaw& law, const std::vector<ParameterEstimate>& estim
 void check_identify_options(IdentifyOptions options) {
   require_in_range(fields_of(options));
   if (options.displacement_noise.has_value() == options.force_noise.has_value()) return;
-  throw InvalidInput({{options.displacement_noise ? kDisplacementNoise : kForceNoise, true},
-                      {" is given alone; give both "},
-                      {kDisplacementNoise, true},
-                      {" [mm] and "},
-                      {kForceNoise, true},
-                      {" [N], or neither"}});
+  throw InvalidInput(
+      {{options.displacement_noise ? kDisplacementNoiseField : kForceNoiseField, true},
+       {" is given alone; give both "},
+       {kDisplacementNoiseField, true},
+       {" [mm] and "},
+       {kForceNoiseField, true},
+       {" [N], or neither"}});
 }
 
 LawEstimate estimate(const ParametricLaw& wanted, std::span<const Pair> pairs,

@@ -13,11 +13,11 @@
 #define PALPATE_INLINE __attribute__((always_inline)) inline
 // One version with AVX2 and one without, chosen at run time. They give the same bits: fused
 // multiply-add is off, and sums have the same order. Before clang 18, other sources do not find the
-// clones.
+// versions: they call functions that call these.
 #if defined(PALPATE_FOR_EACH_PROCESSOR)
 // Given by a test, which compiles one version.
-#elif defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#elif defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 #define PALPATE_FOR_EACH_PROCESSOR __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
 #define PALPATE_FOR_EACH_PROCESSOR
@@ -121,11 +121,9 @@ PALPATE_INLINE void add_bases(const Bases& bases, int contact, const Vector4* x,
     add_ridges(bases.ridges[i], x, gradient, energy);
 }
 
-}  // namespace
-
 PALPATE_FOR_EACH_PROCESSOR
-void evaluate(const PlaceField& place, const Bases& bases, const double* displacement,
-              Lanes& result) noexcept {
+void evaluate_place(const PlaceField& place, const Bases& bases, const double* displacement,
+                    Lanes& result) noexcept {
   const Vector4 d0(displacement[0]), d1(displacement[1]), d2(displacement[2]);
   Vector4 f0(0), f1(0), f2(0), total(0);
   const int packs = (place.count + 3) / 4;
@@ -161,14 +159,12 @@ void evaluate(const PlaceField& place, const Bases& bases, const double* displac
 }
 
 PALPATE_FOR_EACH_PROCESSOR
-void evaluate_bases(const Bases& bases, int contact, const double* x, Lanes& result) noexcept {
+void evaluate_contact(const Bases& bases, int contact, const double* x, Lanes& result) noexcept {
   const Vector4 own[3] = {x[0], x[1], x[2]};
   Vector4 gradient[3] = {}, energy = {};
   add_bases(bases, contact, own, gradient, energy);
   store(result, sums(gradient[0], gradient[1], gradient[2], energy));
 }
-
-namespace {
 
 // A compliance after a turn by the angle with this cosine and sine.
 PALPATE_INLINE void turn_compliance(const Vector4* from, const Vector4& cosine, const Vector4& sine,
@@ -316,11 +312,9 @@ PALPATE_INLINE bool blend(const double* position, double reach, const Lanes* wei
   return good;
 }
 
-}  // namespace
-
 PALPATE_FOR_EACH_PROCESSOR
-bool blend_places(const double* position, double reach, const Lanes* weights,
-                  PlaceField& place) noexcept {
+bool blend_contacts(const double* position, double reach, const Lanes* weights,
+                    PlaceField& place) noexcept {
   switch ((place.count + 3) / 4) {
     case 1:
       return blend<1>(position, reach, weights, place);
@@ -329,6 +323,22 @@ bool blend_places(const double* position, double reach, const Lanes* weights,
     default:
       return blend<3>(position, reach, weights, place);
   }
+}
+
+}  // namespace
+
+void evaluate(const PlaceField& place, const Bases& bases, const double* displacement,
+              Lanes& result) noexcept {
+  evaluate_place(place, bases, displacement, result);
+}
+
+void evaluate_bases(const Bases& bases, int contact, const double* x, Lanes& result) noexcept {
+  evaluate_contact(bases, contact, x, result);
+}
+
+bool blend_places(const double* position, double reach, const Lanes* weights,
+                  PlaceField& place) noexcept {
+  return blend_contacts(position, reach, weights, place);
 }
 
 }  // namespace packed

@@ -37,7 +37,7 @@ constexpr int kTolerances = 8;
 // Allowed errors are doubled until the size holds, at most up to this factor; then the least factor
 // is searched, up to 2^(1/8).
 constexpr double kMostRaised = 256;
-constexpr int kHalvings = 3;
+constexpr int kScaleHalvings = 3;
 // Number of reductions of the allowed error if strokes that did not choose find a larger one.
 constexpr int kCorrections = 6;
 // At least this much less each time.
@@ -247,7 +247,7 @@ ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const 
     factor *= 2;
     result = measured_within(source, measuring, raised_by(factor, allowed));
   }
-  for (int i = 0; i < kHalvings; ++i) {
+  for (int i = 0; i < kScaleHalvings; ++i) {
     const double middle = std::sqrt(too_small * factor);
     ReducedModel other = measured_within(source, measuring, raised_by(middle, allowed));
     if (other.size_after <= size) {

@@ -17,7 +17,7 @@ namespace {
 
 // Values of `ContactUncertainty::between` among which the most likely is chosen: 0, and kValues in
 // equal ratios from the one that the mean square of the errors asks for down to this share of it.
-constexpr double kLeastShare = 1e-4;
+constexpr double kLeastBetweenShare = 1e-4;
 constexpr int kValues = 81;
 
 // Of the force at the end of a stroke, for the same displacement.
@@ -72,7 +72,8 @@ std::optional<double> likeliest_between(const WeightedErrors& weighted) {
   const double largest = std::sqrt(std::max(0.0, rest) / unit);
   double best = largest, least = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kValues; ++i) {
-    const double value = i == kValues ? 0 : largest * std::pow(kLeastShare, i / (kValues - 1.0));
+    const double value =
+        i == kValues ? 0 : largest * std::pow(kLeastBetweenShare, i / (kValues - 1.0));
     const double loss = loss_of(weighted, value);
     if (loss < least) {
       least = loss;

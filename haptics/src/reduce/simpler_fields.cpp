@@ -18,15 +18,15 @@ namespace palpate::haptics {
 namespace {
 
 // Displacements of a tool that presses to these shares of the depth, and is then moved across by
-// these multiples of how deep it is, in kDirections: what lies in the cones of usual friction.
+// these multiples of how deep it is, in kDragDirections: what lies in the cones of usual friction.
 constexpr std::array kDepths{0.15, 0.35, 0.6, 0.8, 1.0};
 constexpr std::array kAcross{0.3, 0.7};
-constexpr int kDirections = 8;
+constexpr int kDragDirections = 8;
 
 ForceSamples samples_of(const ForceField& field, double depth) {
   ForceSamples samples;
   constexpr auto kCount =
-      static_cast<Eigen::Index>(kDepths.size() * (1 + kAcross.size() * kDirections));
+      static_cast<Eigen::Index>(kDepths.size() * (1 + kAcross.size() * kDragDirections));
   samples.displacements.resize(3, kCount);
   samples.forces.resize(3, kCount);
   Eigen::Index i = 0;
@@ -34,8 +34,8 @@ ForceSamples samples_of(const ForceField& field, double depth) {
     const double z = share * depth;
     samples.displacements.col(i++) << 0, 0, z;
     for (const double across : kAcross) {
-      for (int k = 0; k < kDirections; ++k) {
-        const double angle = 2 * std::numbers::pi * k / kDirections;
+      for (int k = 0; k < kDragDirections; ++k) {
+        const double angle = 2 * std::numbers::pi * k / kDragDirections;
         samples.displacements.col(i++) << across * z * std::cos(angle),
             across * z * std::sin(angle), z;
       }

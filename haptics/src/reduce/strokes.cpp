@@ -77,7 +77,7 @@ geometry::SurfacePoint random_place(const ReachableArea& area, std::mt19937_64& 
 }
 
 // Steps in which the first depth with the largest force is looked for: fields need not be monotone.
-constexpr int kSteps = 16;
+constexpr int kDepthSteps = 16;
 // Then it is bisected up to this, relative to it.
 constexpr double kDepthTolerance = 1e-3;
 
@@ -89,11 +89,11 @@ struct DepthLimit {
   [[nodiscard]] double at(const BlendedField& field, const Blend& place) const {
     const Vector3d direction = place.field_frame.col(2);
     const auto pushes = [&](double d) { return field.force(place, d * direction).dot(direction); };
-    double low = 0, high = depth / kSteps;
+    double low = 0, high = depth / kDepthSteps;
     while (pushes(high) <= force) {
       if (high >= depth) return depth;
       low = high;
-      high = std::min(depth, high + depth / kSteps);
+      high = std::min(depth, high + depth / kDepthSteps);
     }
     while (high - low > kDepthTolerance * high) {
       const double middle = (low + high) / 2;

@@ -169,12 +169,12 @@ constexpr std::size_t kMargin = 3;  // samples before and after the change
 constexpr std::size_t kCoarse = 4;  // samples between two changes that are tried first
 constexpr double kRoughDamper = 1;  // [1/s] in the first search: nearly none
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Unknowns = Eigen::Matrix<double, 6, 1>;
 
 /// Least squares with a spring and a damper that act from a given time on.
 struct ChangePointFit {
   double cost = std::numeric_limits<double>::infinity();  // in variances of a position
-  Vector6d unknowns = Vector6d::Zero();                   // free motion, kappa, eta
+  Unknowns unknowns = Unknowns::Zero();                   // free motion, kappa, eta
 };
 
 /// The samples of an approach, and what is computed from them independently of the change point.
@@ -227,7 +227,7 @@ class ChangePoint {
     }
     Eigen::Matrix<double, 6, 6> information;
     information << information_, common, common.transpose(), square;
-    Vector6d moment;
+    Unknowns moment;
     moment << moment_, product;
     ChangePointFit fit;
     fit.unknowns = information.ldlt().solve(moment);
@@ -276,8 +276,8 @@ class ChangePoint {
     return samples_[i].position - samples_[0].position -
            kAcceleration / options_.model.mass * travel_[i];
   }
-  [[nodiscard]] Vector6d without_spring() const {
-    Vector6d unknowns;
+  [[nodiscard]] Unknowns without_spring() const {
+    Unknowns unknowns;
     unknowns << Eigen::Vector4d(information_.ldlt().solve(moment_)), 0.0, 0.0;
     return unknowns;
   }

@@ -31,7 +31,7 @@ constexpr double kUnitTolerance = 1e-6;  // of the length of a direction
 constexpr double kPatchReach = 1.2;      // [tip radii] of the faces whose contact is solved exactly
 constexpr double kPatchGrowth = 1.5;     // of the reach, when the tip touches beyond
 constexpr double kDetour = 1;            // [tip radii] by which the tip may stop early
-constexpr double kRounding = 1e-12;      // of the change of a force or motion of the tip
+constexpr double kStepRounding = 1e-12;  // of the change of a force or motion of the tip
 constexpr double kSameEquilibrium = 10;  // [tolerances] of what is missing at one
 constexpr int kGuessHalvings = 2;        // of the way between guesses, before they are given up
 
@@ -247,7 +247,7 @@ ContactResult ContactEquilibrium::Impl::follow(const ContactState& from, Contact
   const double whole = 1.0 / options.load_steps;
   double step = whole;
   const double least = std::ldexp(whole, -options.max_halvings);
-  while (done < 1 - kRounding) {
+  while (done < 1 - kStepRounding) {
     const double next = std::min(1.0, done + step);
     const ContactStep goal_now{goal, next >= 1 ? target : Vector3d(begin + next * (target - begin)),
                                options.exact_tangent};

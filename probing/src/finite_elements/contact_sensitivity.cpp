@@ -13,7 +13,8 @@ namespace {
 
 constexpr KrylovOptions kSolve{.tolerance = 1e-3, .max_products = 12};
 constexpr double kLargestResidual = 1e-2;  // of the forces: beyond it there is no answer
-constexpr int kManyProducts = 6;  // of the tangent for an answer, beyond which it is factored again
+constexpr int kAnswerProducts =
+    6;  // of the tangent for an answer, beyond which it is factored again
 
 }  // namespace
 
@@ -41,7 +42,7 @@ Eigen::MatrixXd answers_to(const ContactSystem& system, const EquilibriumOptions
   for (Eigen::Index k = 0; k < forces.cols(); ++k) {
     if (forces.col(k).isZero(0)) continue;
     KrylovResult solved = krylov_solve(product, nearly_inverse, forces.col(k), kSolve);
-    if (!fresh && solved.products > kManyProducts) {
+    if (!fresh && solved.products > kAnswerProducts) {
       factor_place(system, place, at.positions, working.factors);
       working.valid = true;
       fresh = true;

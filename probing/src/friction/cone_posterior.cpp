@@ -30,7 +30,7 @@ constexpr double kCertain = 8;   // standard deviations beyond which a trial's o
 constexpr std::size_t kFactors = 100;
 /// The grid is centred again until each standard deviation changes by less than this fraction of
 /// itself, and each mean by less than this fraction of its standard deviation.
-constexpr double kSteady = 0.1;
+constexpr double kSteadyShare = 0.1;
 constexpr int kMaxSteps = 25;
 /// [rad] Assumed spread of the angle between contacts. It counts like `kAssumedContacts` known
 /// contacts.
@@ -204,8 +204,8 @@ void ConePosterior::follow() {
     high[0] = std::clamp(high[0], low[0] + kNarrowest, kLargestAngle);
     fill(low, high);
     const bool steady =
-        ((mean_ - mean).cwiseAbs().array() < kSteady * deviation_.array()).all() &&
-        ((deviation_ - deviation).cwiseAbs().array() < kSteady * deviation_.array()).all();
+        ((mean_ - mean).cwiseAbs().array() < kSteadyShare * deviation_.array()).all() &&
+        ((deviation_ - deviation).cwiseAbs().array() < kSteadyShare * deviation_.array()).all();
     if (steady) break;
   }
 }

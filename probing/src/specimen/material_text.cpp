@@ -18,7 +18,7 @@ void state(const Hyperelastic& material, ordered_json& members) {
   members["bulk_modulus"] = material.bulk_modulus;
 }
 
-ordered_json numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+ordered_json components(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Eigen::Vector3d vector_of(const ordered_json& members, const char* name) {
   const auto v = members.at(name).get<std::array<double, 3>>();
@@ -52,10 +52,10 @@ std::string with_material(const std::string& text, const std::string& source,
   ordered_json& listed = members["identified"]["presses"] = ordered_json::array();
   for (const KnownPress& press : presses)
     listed.push_back({{"contact", press.contact},
-                      {"position", numbers(press.position)},
-                      {"inward", numbers(press.inward)},
-                      {"displacement", numbers(press.displacement)},
-                      {"force", numbers(press.force)}});
+                      {"position", components(press.position)},
+                      {"inward", components(press.inward)},
+                      {"displacement", components(press.displacement)},
+                      {"force", components(press.force)}});
   return members.dump(2) + "\n";
 }
 

@@ -24,7 +24,7 @@ namespace palpate::sensing {
 namespace {
 
 /// Smallest number of pixels for a meaningful mean and variance.
-constexpr long kLeastPixels = 100;
+constexpr long kLeastHuePixels = 100;
 
 void check_options(const TrainingOptions& options) {
   require("TrainingOptions::min_value", options.min_value, above(0).below(1));
@@ -52,10 +52,10 @@ std::string place_of(const NamedImages& named) {
 }
 
 TrainedColor fit_hues(const NamedImages& named, const std::vector<float>& hues) {
-  if (static_cast<long>(hues.size()) < kLeastPixels) {
+  if (static_cast<long>(hues.size()) < kLeastHuePixels) {
     throw InvalidInput(place_of(named) + ": only " + std::to_string(hues.size()) +
                        " pixels are bright and saturated enough and not clipped; at least " +
-                       std::to_string(kLeastPixels) + " are needed");
+                       std::to_string(kLeastHuePixels) + " are needed");
   }
   double cosines = 0;
   double sines = 0;

@@ -22,7 +22,7 @@ constexpr long kLeastHues = 500;
 
 /// Stripes and sinusoid agree if the mean of cos(2 pi d) is at least this: 1 is perfect, 0 is
 /// chance.
-constexpr double kLeastAgreement = 0.45;
+constexpr double kLeastPhaseAgreement = 0.45;
 /// An explanation is likely if it brings the agreement to at least this, and to more than a uniform
 /// shift would.
 constexpr double kLikely = 0.65;
@@ -323,7 +323,7 @@ DecodeJudgement judge(const DecodeEvidence& evidence) {
                         *most / std::max(*least, 1e-3 * *most))};
   }
   const double agreement = share(evidence.agreement, edges);
-  if (agreement < kLeastAgreement) {
+  if (agreement < kLeastPhaseAgreement) {
     const auto explanation = explain(evidence);
     return explanation ? *explanation : judge_shift(evidence);
   }

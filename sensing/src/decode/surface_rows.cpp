@@ -71,9 +71,7 @@ struct EpipolarLine {
   row.reason[i] = good ? kReconstructed : (lit ? kGrazing : kOffPanel);
 }
 
-}  // namespace
-
-PALPATE_HOT_LOOP void find_surface(const SurfaceRow& row, const SurfaceConstants& constants) {
+PALPATE_HOT_LOOP void find_row(const SurfaceRow& row, const SurfaceConstants& constants) {
   // Copies and ivdep, because nothing that is written is read.
   const SurfaceRow r = row;
   const SurfaceConstants c = constants;
@@ -85,8 +83,8 @@ PALPATE_HOT_LOOP void find_surface(const SurfaceRow& row, const SurfaceConstants
   }
 }
 
-PALPATE_HOT_LOOP void find_surface_through_lens(const SurfaceRow& row,
-                                                const SurfaceConstants& constants) {
+PALPATE_HOT_LOOP void find_row_through_lens(const SurfaceRow& row,
+                                            const SurfaceConstants& constants) {
   const SurfaceRow r = row;
   const SurfaceConstants c = constants;
   const auto& [k1, k2, bend_along, bend_across, k3, k4, k5, k6] = c.distortion;
@@ -121,6 +119,16 @@ PALPATE_HOT_LOOP void find_surface_through_lens(const SurfaceRow& row,
     const bool converged = (std::abs(move) <= kMaxLastStep) & (stretch > 0);
     write_surface(r, c, i, line.k, along, y, stretch, across, converged);
   }
+}
+
+}  // namespace
+
+void find_surface(const SurfaceRow& row, const SurfaceConstants& constants) {
+  find_row(row, constants);
+}
+
+void find_surface_through_lens(const SurfaceRow& row, const SurfaceConstants& constants) {
+  find_row_through_lens(row, constants);
 }
 
 }  // namespace palpate::sensing

@@ -10,11 +10,12 @@
 #endif
 
 /// Put before a plain function over arrays to compile it once for each generation of processors;
-/// the loader selects one version at run time. Builds with clang (before version 18, other sources
-/// do not find the clones), with sanitizers or without optimisation have one version.
-/// All versions give the same results, because the build forbids fused multiply-add.
-#if defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+/// the loader selects one version at run time. Only for functions of one source: before version 18
+/// of clang, other sources do not find the versions. Builds with sanitizers or without optimisation
+/// have one version. All versions give the same results, because the build forbids fused
+/// multiply-add.
+#if defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
 #define PALPATE_HOT_LOOP \
   __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else

@@ -13,7 +13,7 @@ namespace palpate::sensing {
 namespace {
 
 /// Pixels of one colour lie this far apart [px].
-constexpr int kSpacing = 2;
+constexpr int kMosaicSpacing = 2;
 /// A pixel stands out if it is beyond all eight neighbours by more than this share of full scale,
 /// which the noise of a usable camera hardly reaches. The crest of a sinusoid at the edge of a
 /// stripe has a single neighbour that is like it.
@@ -30,9 +30,10 @@ template <typename T>
   float closest = std::numeric_limits<float>::max();
   float usual = 0;
   for (const auto& [row, side] : kHalves) {
-    const auto first = static_cast<float>(rows[static_cast<std::size_t>(row)][i + side * kSpacing]);
+    const auto first =
+        static_cast<float>(rows[static_cast<std::size_t>(row)][i + side * kMosaicSpacing]);
     const auto second =
-        static_cast<float>(rows[static_cast<std::size_t>(2 - row)][i - side * kSpacing]);
+        static_cast<float>(rows[static_cast<std::size_t>(2 - row)][i - side * kMosaicSpacing]);
     const float upper = first > second ? first : second;
     const float lower = first > second ? second : first;
     high = upper > high ? upper : high;
@@ -59,9 +60,9 @@ PALPATE_HOT_LOOP void repair_row(const std::array<const std::uint16_t*, 3>& rows
 template <typename T>
 void repair(const cv::Mat& padded, cv::Mat& image) {
   for (int row = 0; row < image.rows; ++row) {
-    const std::array<const T*, 3> rows = {padded.ptr<T>(row) + kSpacing,
-                                          padded.ptr<T>(row + kSpacing) + kSpacing,
-                                          padded.ptr<T>(row + 2 * kSpacing) + kSpacing};
+    const std::array<const T*, 3> rows = {padded.ptr<T>(row) + kMosaicSpacing,
+                                          padded.ptr<T>(row + kMosaicSpacing) + kMosaicSpacing,
+                                          padded.ptr<T>(row + 2 * kMosaicSpacing) + kMosaicSpacing};
     repair_row(rows, image.cols, image.ptr<T>(row));
   }
 }
@@ -70,11 +71,11 @@ void repair(const cv::Mat& padded, cv::Mat& image) {
 
 cv::Mat without_hot_pixels(const cv::Mat& mosaic) {
   const bool is_mosaic = (mosaic.type() == CV_8UC1 || mosaic.type() == CV_16UC1) &&
-                         mosaic.cols > kSpacing && mosaic.rows > kSpacing;
+                         mosaic.cols > kMosaicSpacing && mosaic.rows > kMosaicSpacing;
   if (!is_mosaic) return mosaic;
   // Mirroring at the outermost pixels keeps the order of the colours.
   cv::Mat padded;
-  cv::copyMakeBorder(mosaic, padded, kSpacing, kSpacing, kSpacing, kSpacing,
+  cv::copyMakeBorder(mosaic, padded, kMosaicSpacing, kMosaicSpacing, kMosaicSpacing, kMosaicSpacing,
                      cv::BORDER_REFLECT_101);
   cv::Mat image(mosaic.size(), mosaic.type());
   if (mosaic.depth() == CV_8U) {

@@ -11,9 +11,9 @@ namespace palpate::sensing {
 namespace {
 
 /// Lit pixels are counted in squares of kCell pixels. Two by two of them are a block, which is lit
-/// if kLeastLit pixels of it are; windows of two periods need more on one column.
+/// if kLeastLitPixels pixels of it are; windows of two periods need more on one column.
 constexpr long kCell = kPartSpacing / 2;
-constexpr int kLeastLit = 8;
+constexpr int kLeastLitPixels = 8;
 
 /// The whole image is taken if a part would have more than this share of it.
 constexpr double kLargestShare = 0.9;
@@ -54,7 +54,7 @@ ImagePart lit_part(const Mask& lit, long margin) {
   for (long row = 0; row + 1 < count.rows(); ++row) {
     for (long column = 0; column + 1 < count.cols(); ++column) {
       const auto block = count.block<2, 2>(row, column);
-      if (block.sum() < kLeastLit) continue;
+      if (block.sum() < kLeastLitPixels) continue;
       for (const long i : {0, 1}) {
         if (block.row(i).any()) down.add(row + i);
         if (block.col(i).any()) across.add(column + i);

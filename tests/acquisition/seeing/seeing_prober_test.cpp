@@ -61,15 +61,15 @@ class SeeingProberTest : public ::testing::Test {
   }
 
   static const sensing::Decoder& decoder() {
-    static const sensing::Decoder made(testing::bundled_setup().rig,
-                                       testing::bundled_setup().pattern, testing::bundled_colors());
+    static const sensing::Decoder made(support::bundled_setup().rig,
+                                       support::bundled_setup().pattern, support::bundled_colors());
     return made;
   }
 
   const ScratchFolder folder;
-  const std::unique_ptr<probing::Prober> arm = probing::make_quasi_static_arm(testing::soft_body());
+  const std::unique_ptr<probing::Prober> arm = probing::make_quasi_static_arm(support::soft_body());
   const std::unique_ptr<RestCamera> camera =
-      make_virtual_camera(testing::soft_body(), testing::bundled_setup());
+      make_virtual_camera(support::soft_body(), support::bundled_setup());
 };
 
 TEST_F(SeeingProberTest, RecordsTheDeformedObjectAndNothingOfTheTool) {

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 Rest pressed(long long trial = 3) {
   const Vector3d at(5, -8, 700), force(0.3, 0, 1.2);
-  const Vector3d tip = at + testing::soft_body()->displacement(at, force);
+  const Vector3d tip = at + support::soft_body()->displacement(at, force);
   return {.trial = trial,
           .tool = {tip, Vector3d::UnitZ()},
           .truth = probing::TrueLoad{.contact = at, .force = force, .tip = tip}};
@@ -29,12 +29,12 @@ Rest pressed(long long trial = 3) {
 TEST(VirtualCamera, SeesTheDeformedObjectBehindTheTool) {
   const Rest rest = pressed();
   const RestPicture seen =
-      make_virtual_camera(testing::soft_body(), testing::bundled_setup())->look(rest);
+      make_virtual_camera(support::soft_body(), support::bundled_setup())->look(rest);
   EXPECT_EQ(seen.frame.size(), cv::Size(640, 480));
   ASSERT_TRUE(seen.truth);
   const geometry::SurfaceQuery deformed(geometry::TriangleMesh{
-      .vertices = testing::soft_body()->deformed_surface(rest.truth->contact, rest.truth->force),
-      .triangles = testing::soft_body()->surface().triangles});
+      .vertices = support::soft_body()->deformed_surface(rest.truth->contact, rest.truth->force),
+      .triangles = support::soft_body()->surface().triangles});
   const Eigen::Matrix2Xd rays = geometry::pixel_rays(seen.truth->camera);
   const geometry::PixelMask hidden = hidden_by_tool(rays, 480, {}, rest.tool, 0);
   int compared = 0;
@@ -55,7 +55,7 @@ TEST(VirtualCamera, SeesTheDeformedObjectBehindTheTool) {
 }
 
 TEST(VirtualCamera, HasTheNoiseOfTheTrial) {
-  const auto camera = make_virtual_camera(testing::soft_body(), testing::bundled_setup());
+  const auto camera = make_virtual_camera(support::soft_body(), support::bundled_setup());
   const cv::Mat first = camera->look(pressed()).frame, again = camera->look(pressed()).frame,
                 other = camera->look(pressed(4)).frame;
   EXPECT_EQ(cv::norm(first, again, cv::NORM_INF), 0);
@@ -64,9 +64,9 @@ TEST(VirtualCamera, HasTheNoiseOfTheTrial) {
 
 TEST(VirtualCamera, RefusesWhatItCannotSee) {
   const std::shared_ptr<const probing::Specimen> sheet = probing::make_specimen(probing::Sheet{});
-  EXPECT_THAT(refusal([&] { return make_virtual_camera(sheet, testing::bundled_setup()); }),
+  EXPECT_THAT(refusal([&] { return make_virtual_camera(sheet, support::bundled_setup()); }),
               HasSubstr("elastic_body and finite_elements"));
-  const auto camera = make_virtual_camera(testing::soft_body(), testing::bundled_setup());
+  const auto camera = make_virtual_camera(support::soft_body(), support::bundled_setup());
   EXPECT_THAT(refusal([&] { return camera->look({.trial = 0}); }), HasSubstr("does not report"));
 }
 

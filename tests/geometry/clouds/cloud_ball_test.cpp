@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kRadius = 15;  // [mm]
+constexpr double kBallRadius = 15;  // [mm]
 const Vector3d kCentre(12, -7, 620);
 
 /// Distance to the ball along the unit ray [mm]; infinite if it misses.
@@ -69,11 +69,11 @@ std::optional<SeenBall> found_in(const RangeMapMesh& seen, double radius) {
 }
 
 TEST(FindBall, IsExactInAnExactRangeMapWithABackgroundAndARod) {
-  const auto ball = found_in(scene(kRadius, 0, 1), kRadius);
+  const auto ball = found_in(scene(kBallRadius, 0, 1), kBallRadius);
   ASSERT_TRUE(ball);
   // Depths are floats, rounded by up to 3e-5 mm.
   EXPECT_LT((ball->centre - kCentre).norm(), 1e-4);
-  EXPECT_NEAR(ball->radius, kRadius, 1e-3);
+  EXPECT_NEAR(ball->radius, kBallRadius, 1e-3);
   EXPECT_LT(ball->rms, 1e-4);
 }
 
@@ -82,13 +82,13 @@ TEST(FindBall, ErrsByWhatItsInformationAndTheNoiseOfItsPointsSay) {
   double squares = 0;
   constexpr int kSeeds = 12;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    const auto ball = found_in(scene(kRadius, kNoise, seed), kRadius);
+    const auto ball = found_in(scene(kBallRadius, kNoise, seed), kBallRadius);
     ASSERT_TRUE(ball) << seed;
     const Vector3d error = ball->centre - kCentre;
     // Of three coordinates, in units of the covariance rms^2 / points * information^-1.
     squares += error.dot(ball->information * error) * ball->points / (ball->rms * ball->rms) / 3;
     EXPECT_LT(error.norm(), 0.05) << seed;
-    EXPECT_NEAR(ball->radius, kRadius, 0.1);
+    EXPECT_NEAR(ball->radius, kBallRadius, 0.1);
   }
   const double ratio = std::sqrt(squares / kSeeds);
   EXPECT_GT(ratio, 0.7);
@@ -96,23 +96,23 @@ TEST(FindBall, ErrsByWhatItsInformationAndTheNoiseOfItsPointsSay) {
 }
 
 TEST(FindBall, TellsTheRadiusThatFitsIfAnotherOneIsGiven) {
-  const auto ball = found_in(scene(kRadius, 0.05, 1), 0.8 * kRadius);
+  const auto ball = found_in(scene(kBallRadius, 0.05, 1), 0.8 * kBallRadius);
   ASSERT_TRUE(ball);
-  EXPECT_NEAR(ball->radius, kRadius, 0.1);
+  EXPECT_NEAR(ball->radius, kBallRadius, 0.1);
 }
 
 TEST(FindBall, FindsNoneWhereThereIsNone) {
-  EXPECT_FALSE(found_in(scene(kRadius, 0.05, 1, {0, 0, 900}), kRadius));
-  EXPECT_FALSE(find_ball(Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), kRadius));
+  EXPECT_FALSE(found_in(scene(kBallRadius, 0.05, 1, {0, 0, 900}), kBallRadius));
+  EXPECT_FALSE(find_ball(Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0), kBallRadius));
 }
 
 TEST(FindBall, LeavesOutWhatIsNotFinite) {
-  RangeMapMesh seen = scene(kRadius, 0, 1);
+  RangeMapMesh seen = scene(kBallRadius, 0, 1);
   Eigen::Matrix3Xd normals = vertex_normals(seen.mesh);
-  const auto whole = find_ball(seen.mesh.vertices, normals, kRadius);
+  const auto whole = find_ball(seen.mesh.vertices, normals, kBallRadius);
   for (Eigen::Index i = 0; i < normals.cols(); i += 7)
     (i % 2 == 0 ? normals : seen.mesh.vertices)(i % 3, i) = std::nan("");
-  const auto some = find_ball(seen.mesh.vertices, normals, kRadius);
+  const auto some = find_ball(seen.mesh.vertices, normals, kBallRadius);
   ASSERT_TRUE(whole && some);
   EXPECT_LT(some->points, whole->points);
   EXPECT_LT((some->centre - whole->centre).norm(), 1e-4);

@@ -20,7 +20,7 @@ namespace {
 using test::Matrix3Xd;
 using test::Vector3d;
 
-constexpr double kRounding = 1e-12;
+constexpr double kNormalRounding = 1e-12;
 
 /// Largest angle [rad] between normals and those that are right, side included.
 double largest_angle(const Matrix3Xd& normals, const Matrix3Xd& right) {
@@ -49,7 +49,7 @@ TEST(CloudNormals, OfPlanesAreExact) {
   const Matrix3Xd places = test::random_cloud(500, 1, {30, 30, 0});
   const Matrix3Xd points = u * places.row(0) + v * places.row(1);
   const CloudNormals found = cloud_normals(points, {.viewpoints = 100 * normal});
-  EXPECT_LT(largest_angle(found.normals, normal.replicate(1, points.cols())), kRounding);
+  EXPECT_LT(largest_angle(found.normals, normal.replicate(1, points.cols())), kNormalRounding);
 }
 
 TEST(CloudNormals, OfAClosedScanAgreeWithItsMesh) {
@@ -86,7 +86,7 @@ TEST(CloudNormals, TurnWithTheFrameAndDoNotDependOnOrderOrScale) {
   EXPECT_LT(largest_angle(cloud_normals(1e-4 * points).normals, normals), 1e-9);
   const test::Shuffled other = test::shuffled(points, 6);
   EXPECT_LT(largest_angle(cloud_normals(other.points).normals, normals(Eigen::all, other.order)),
-            kRounding);
+            kNormalRounding);
 }
 
 TEST(CloudNormals, AreTheSameWithOneThread) {

@@ -92,7 +92,7 @@ TEST(SurfaceStrain, IsTheShearOfATwistedTube) {
   const double radius = 20, twist = 0.02;
   TriangleMesh tube = flat_sheet(kAround, kAlong, 2 * std::numbers::pi * radius / kAround);
   const auto roll = [&](double turn) {
-    return [&tube, turn, radius](const Vector3d& at) {
+    return [turn, radius](const Vector3d& at) {
       const double angle = at.x() / radius + turn * at.y();
       return Vector3d(radius * std::cos(angle), radius * std::sin(angle), at.y());
     };

@@ -80,7 +80,7 @@ TEST(Memory, OfEachReaderIsWithinTheLimit) {
   const double nothing = peak_of([] {});
   for (const auto& [name, content] : files) {
     write_text(folder / name, content);
-    const double taken = peak_of([&] {
+    const double taken = peak_of([&, name = name] {
       if (name.ends_with(".pcd"))
         static_cast<void>(read_point_cloud(folder / name));
       else

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kRounding = 1e-12;
+constexpr double kShareRounding = 1e-12;
 
 // A roof along y: from its ridge at x = 0, one side falls to +x by 45 degrees, the other to -x by
 // 60 degrees. `sides` vertices of spacing 1 mm along each slope.
@@ -57,8 +57,8 @@ TEST(FacingShares, AreThoseOfTheAreaWithinTheRadius) {
   EXPECT_EQ(share(ridge, up, 3), 1);
   EXPECT_EQ(share(ridge, -up, 3), 0);
   // Half of the triangles around the ridge belong to each side, as all have one area.
-  EXPECT_NEAR(share(ridge, right, 0), 0.5, kRounding);
-  EXPECT_NEAR(share(ridge, right, 3.2), 0.5, kRounding);
+  EXPECT_NEAR(share(ridge, right, 0), 0.5, kShareRounding);
+  EXPECT_NEAR(share(ridge, right, 3.2), 0.5, kShareRounding);
   // 4 mm from the ridge, all places within 3 mm are on one side; within 8 mm they are not.
   EXPECT_EQ(share(ridge + 4, right, 3), 1);
   EXPECT_EQ(share(ridge - 4, right, 3), 0);
@@ -88,7 +88,7 @@ TEST(FacingShares, HardlyDependOnASliver) {
   ASSERT_LT(vertex_normals(mesh)(2, 0), 0);
   const double sliver = 0.5, square = 100;  // [mm^2]
   EXPECT_NEAR(facing_shares(mesh, std::span(&corner, 1), up, 3)[0], square / (square + sliver),
-              kRounding);
+              kShareRounding);
   // A place within the sliver sees the square at the sliver's corners.
   const SurfacePoint within{2, {0.4, 0.3, 0.3}};
   EXPECT_GT(facing_shares(mesh, std::span(&within, 1), up, 3)[0], 0.9);

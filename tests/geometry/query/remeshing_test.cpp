@@ -26,7 +26,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
 /// Share of the edges that are between the lengths at which edges are collapsed and split.
 double share_in_range(const TriangleMesh& mesh, double length) {
@@ -73,8 +73,8 @@ TEST(Remeshing, MakesNearlyEquilateralTrianglesOfTheSameTopology) {
     const MeshShape shape = mesh_shape(result.mesh);
     EXPECT_GT(share_in_range(result.mesh, c.length), 0.93) << c.name;
     EXPECT_NEAR(shape.mean_edge, c.length, 0.15 * c.length) << c.name;
-    EXPECT_GT(shape.median_smallest_angle, 48 * kDegree) << c.name;
-    EXPECT_GT(shape.smallest_angle, 20 * kDegree) << c.name;
+    EXPECT_GT(shape.median_smallest_angle, 48 * kRadiansPerDegree) << c.name;
+    EXPECT_GT(shape.smallest_angle, 20 * kRadiansPerDegree) << c.name;
   }
 }
 

@@ -37,7 +37,7 @@ geometry::TriangleMesh strip_sheet() {
   geometry::TriangleMesh mesh = geometry::test::flat_sheet(25, 35, 4);
   const Eigen::Vector3d middle = mesh.vertices.rowwise().mean();
   for (auto vertex : mesh.vertices.colwise()) {
-    vertex = testing::strip_surface(vertex.x() - middle.x(), vertex.y() - middle.y());
+    vertex = support::strip_surface(vertex.x() - middle.x(), vertex.y() - middle.y());
   }
   return mesh;
 }
@@ -168,12 +168,12 @@ TEST(BuildModel, TakesOverTheFitsThatAreKnown) {
 }
 
 // A coarse search for the friction boundary is enough for dense contacts.
-const testing::StripProbing kDenselyProbed{.directions = 6, .resolution = 0.4, .seed = 31};
+const support::StripProbing kDenselyProbed{.directions = 6, .resolution = 0.4, .seed = 31};
 
 TEST(BuildModel, SharesTheLocalPartOfDenselyProbedContacts) {
-  const testing::Beam beam;
-  const probing::Acquisition acquisition = testing::beam_acquisition(beam, 5, kDenselyProbed);
-  const geometry::TriangleMesh surface = testing::beam_surface(beam);
+  const support::Beam beam;
+  const probing::Acquisition acquisition = support::beam_acquisition(beam, 5, kDenselyProbed);
+  const geometry::TriangleMesh surface = support::beam_surface(beam);
   BuildOptions options;
   options.dense_samples = 40;
   std::map<long long, FitResult> kept;
@@ -183,7 +183,7 @@ TEST(BuildModel, SharesTheLocalPartOfDenselyProbedContacts) {
   EXPECT_EQ(built.local_part->outcome, SharingOutcome::shared);
   EXPECT_EQ(built.local_part->dense, 6);
   EXPECT_NO_THROW(check_model(built.model));
-  const std::vector<Eigen::Vector2d> places = testing::beam_places(beam);
+  const std::vector<Eigen::Vector2d> places = support::beam_places(beam);
   std::vector<double> errors;
   int sharing = 0;  // noise may make one keep its own fit
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -192,7 +192,7 @@ TEST(BuildModel, SharesTheLocalPartOfDenselyProbedContacts) {
     sharing += contact.shared_local ? 1 : 0;
     EXPECT_EQ(contact.passivity, Passivity::convex);
     double sum = 0;
-    const auto truths = testing::strip_truths(beam, {places[i]}, 50);
+    const auto truths = support::strip_truths(beam, {places[i]}, 50);
     for (const auto& truth : truths) {
       sum += (contact.frame * force(contact.field, contact.frame.transpose() * truth.displacement) -
               truth.force)
@@ -238,7 +238,7 @@ TEST(BuildModel, RegistersAnAcquisitionThatIsOffTheSurface) {
 // The sheet above a block, as stiff and as noisy as what is measured.
 TEST(BuildModel, MakesModelsOfLessThanAKilobyteAndAHalfAContact) {
   const probing::Acquisition acquisition =
-      testing::strip_acquisition({.block = 1.5}, {.spacing_x = 28});
+      support::strip_acquisition({.block = 1.5}, {.spacing_x = 28});
   const Model model = build_model(acquisition, strip_sheet()).model;
   ASSERT_EQ(model.contacts.size(), 25u);
   std::size_t bases = 0;

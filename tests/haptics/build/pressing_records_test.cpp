@@ -94,15 +94,15 @@ TEST(BuildModel, BlendsWhatPredictsLeftOutPlacesBetter) {
 
 // A sheet that stiffens above a block, pressed along z at five forces and recorded to 0.01 mm and
 // 1 mN. With so few depths its curves look like those of a sensor with an offset.
-probing::Acquisition pressed_sheet() {
-  const testing::Strip sheet{.block = 1.5};
-  const testing::StripProbing probing;
+probing::Acquisition sheet_above_block() {
+  const support::Strip sheet{.block = 1.5};
+  const support::StripProbing probing;
   probing::Acquisition acquisition;
-  for (const Eigen::Vector2d& at : testing::strip_places(probing)) {
+  for (const Eigen::Vector2d& at : support::strip_places(probing)) {
     const auto id = static_cast<long long>(acquisition.contacts.size());
     acquisition.contacts.push_back({id, {at.x(), at.y(), 700}, {0, 0, -1}});
     for (const double force : probing.normal_forces) {
-      const double depth = testing::strip_displacement(sheet, at.x(), at.y(), {0, 0, force}).z();
+      const double depth = support::strip_displacement(sheet, at.x(), at.y(), {0, 0, force}).z();
       probing::Sample sample;
       sample.id = sample.group = static_cast<long long>(acquisition.samples.size());
       sample.contact = id;
@@ -116,7 +116,7 @@ probing::Acquisition pressed_sheet() {
 }
 
 TEST(BuildModel, TakesNoOffsetsThatPredictLeftOutPlacesWorse) {
-  const BuildResult built = build_model(pressed_sheet(), flat_surface(75, 30));
+  const BuildResult built = build_model(sheet_above_block(), flat_surface(75, 30));
   ASSERT_TRUE(built.pressing);
   EXPECT_FALSE(built.pressing->offsets.force_found);
   EXPECT_FALSE(built.pressing->offsets.touch_found);

@@ -57,7 +57,7 @@ std::vector<TickRecord> some_ticks(const Playback& first, const Playback& second
   return ticks;
 }
 
-class LoopRecordTest : public testing::Test {
+class LoopRecordTest : public ::testing::Test {
  protected:
   void write(const std::filesystem::path& path) {
     LoopRecorder recorder(path, kDevice, some_options(), "what it was");

@@ -12,8 +12,8 @@
 namespace palpate::haptics {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 template <typename Change>
 std::string refused_to_play(Change&& change) {

@@ -19,15 +19,15 @@
 namespace palpate::haptics {
 namespace {
 
-using testing::Strip;
+using support::Strip;
 
 struct Contact {
   double x, y;
 };
 
 ForceSamples measured(const Contact& at, const Strip& strip = {},
-                      const testing::StripProbing& probing = {}) {
-  const probing::Acquisition acquisition = testing::strip_contact(at.x, at.y, strip, probing);
+                      const support::StripProbing& probing = {}) {
+  const probing::Acquisition acquisition = support::strip_contact(at.x, at.y, strip, probing);
   return realign(acquisition.contacts.front(), acquisition.samples);
 }
 
@@ -38,14 +38,14 @@ FitResult fit_measured(const ForceSamples& samples, FitOptions options = {}) {
 
 // Root mean square of the error against the noise-free object, within its friction cone.
 double true_error(const ForceField& field, const Contact& at, const Strip& strip) {
-  const Eigen::Matrix3d frame = testing::strip_frame(at.x, at.y);
-  const testing::StripCone cone = testing::strip_cone(strip, at.x, at.y);
+  const Eigen::Matrix3d frame = support::strip_frame(at.x, at.y);
+  const support::StripCone cone = support::strip_cone(strip, at.x, at.y);
   double sum = 0;
   int count = 0;
   const Eigen::Matrix3Xd forces = random_points(400, 3.2, 7);
   for (const Eigen::Vector3d f : forces.colwise()) {
     if (f.z() < 0.15 || !holds(cone, f)) continue;
-    const Eigen::Vector3d x = testing::strip_displacement(strip, at.x, at.y, f);
+    const Eigen::Vector3d x = support::strip_displacement(strip, at.x, at.y, f);
     sum += (force(field, frame.transpose() * x) - frame.transpose() * f).squaredNorm();
     ++count;
   }
@@ -74,7 +74,7 @@ struct SheetFigures {
 SheetFigures fit_sheet(const Strip& strip, unsigned seed) {
   constexpr int kTruths = 40;
   SheetFigures figures;
-  const std::vector<Eigen::Vector2d> places = testing::strip_places();
+  const std::vector<Eigen::Vector2d> places = support::strip_places();
   std::vector<ForceSamples> contacts;
   for (const Eigen::Vector2d& at : places)
     contacts.push_back(measured({at.x(), at.y()}, strip, {.seed = seed++}));
@@ -85,7 +85,7 @@ SheetFigures fit_sheet(const Strip& strip, unsigned seed) {
     figures.bases.push_back(static_cast<double>(fit.field.bases.size()));
     if (fit.rms <= 1.25 * fit.noise_floor) figures.at_noise += 1;
     double sum = 0;
-    for (const testing::StripTruth& truth : testing::strip_truths(strip, {places[i]}, kTruths))
+    for (const support::StripTruth& truth : support::strip_truths(strip, {places[i]}, kTruths))
       sum += (force(fit.field, truth.displacement) - truth.force).squaredNorm();
     figures.errors.push_back(std::sqrt(sum / kTruths));
   }
@@ -311,13 +311,13 @@ TEST(FitConvex, HasNoBumpOfForceBetweenRestAndFewNoisyPairs) {
                     .compliance = 0.3272175127181143,
                     .lateral = 0.03694263668597926,
                     .taper = 0.43917559121855143};
-  const testing::StripProbing few{.normal_forces = {0.5, 1.5, 3},
+  const support::StripProbing few{.normal_forces = {0.5, 1.5, 3},
                                   .directions = 3,
                                   .position_noise = 0.08,
                                   .location_noise = 0.08,
                                   .force_noise = 0.04,
                                   .seed = 128};
-  testing::ObjectProbe<Strip> probe(sheet, few);
+  support::ObjectProbe<Strip> probe(sheet, few);
   probing::Acquisition acquisition;
   probe.probe_sparsely(acquisition, -35, -40, 0.5);
   const ForceSamples samples = realign(acquisition.contacts.front(), acquisition.samples);

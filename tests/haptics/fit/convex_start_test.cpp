@@ -17,7 +17,7 @@ constexpr SampleNoise kSampleNoise{0.003, 0.01};
 
 // A contact of a sheet, in units of its extents.
 ForceSamples contact() {
-  const probing::Acquisition acquisition = testing::strip_contact(-28, 40);
+  const probing::Acquisition acquisition = support::strip_contact(-28, 40);
   ForceSamples samples = realign(acquisition.contacts.front(), acquisition.samples);
   samples.displacements /= std::sqrt(samples.displacements.colwise().squaredNorm().mean());
   samples.forces /= std::sqrt(samples.forces.colwise().squaredNorm().mean());

@@ -31,7 +31,7 @@ TEST(SolveField, StopsAtAMinimumWhereTheConstraintDoesNotMatter) {
   EXPECT_TRUE(solution.converged);
   // Except for epsilon, which is kept.
   EXPECT_LT(objective.gradient(solution.parameters).head<4>().norm(), 1e-4);
-  EXPECT_GT(smallest_stiffness(to_field(solution.parameters)), 0.1);
+  EXPECT_GT(stiffness_at_zero(to_field(solution.parameters)), 0.1);
   EXPECT_NEAR(solution.value, objective.value(solution.parameters), 1e-12);
 }
 
@@ -39,8 +39,8 @@ TEST(SolveField, EndsOnTheConstraintWhereTheDataLieBeyondIt) {
   const FieldObjective objective = spring_objective(-0.6);
   const FieldSolution solution = solve_field(objective, start_of_two());
   EXPECT_TRUE(solution.converged);
-  EXPECT_GE(smallest_stiffness(to_field(solution.parameters)), 0);
-  EXPECT_LT(smallest_stiffness(to_field(solution.parameters)), 1e-3);
+  EXPECT_GE(stiffness_at_zero(to_field(solution.parameters)), 0);
+  EXPECT_LT(stiffness_at_zero(to_field(solution.parameters)), 1e-3);
   EXPECT_LT(solution.value, objective.value(start_of_two()));
 }
 
@@ -49,7 +49,7 @@ TEST(SolveField, KeepsTheStiffnessThatIsAskedFor) {
   constraints.least_stiffness = 0.3;
   const FieldSolution solution = solve_field(spring_objective(-0.6), start_of_two(), constraints);
   EXPECT_TRUE(solution.converged);
-  EXPECT_NEAR(smallest_stiffness(to_field(solution.parameters)), 0.3, 1e-3);
+  EXPECT_NEAR(stiffness_at_zero(to_field(solution.parameters)), 0.3, 1e-3);
 }
 
 TEST(SolveField, KeepsTheEnergyAtPlaces) {

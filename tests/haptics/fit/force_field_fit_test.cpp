@@ -61,7 +61,7 @@ TEST(FitForceField, StaysStableWhereTheDataAreNot) {
   const FitResult fit =
       fit_force_field(places, forces, {.mode = FitMode::local, .max_bases = 4, .epsilon = 1.5});
   EXPECT_GE(fit.smallest_stiffness, 0);
-  EXPECT_GE(smallest_stiffness(fit.field), 0);
+  EXPECT_GE(stiffness_at_zero(fit.field), 0);
   EXPECT_NO_THROW(check_force_field(fit.field, "fit"));
   // The other axes are not given up for it.
   EXPECT_NEAR(force(fit.field, {0, 1, 0}).y(), 0.5, 0.15);
@@ -116,7 +116,7 @@ TEST(FitForceField, SurvivesPoorData) {
   for (const Eigen::Matrix3Xd& places : {one, alike, line}) {
     const FitResult fit = fit_force_field(places, 0.5 * places, kLocalFit);
     EXPECT_LT(fit.rms, 0.1) << places.cols();
-    EXPECT_GE(smallest_stiffness(fit.field), 0);
+    EXPECT_GE(stiffness_at_zero(fit.field), 0);
     EXPECT_TRUE(force(fit.field, {5, 5, 5}).allFinite());
   }
 }
@@ -260,7 +260,7 @@ StickingPairs sticking_pairs(const std::vector<Eigen::Vector3d>& forces) {
   StickingPairs pairs{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     pairs.forces.col(i) = forces[static_cast<std::size_t>(i)];
-    pairs.displacements.col(i) = palpate::testing::sticking_ball(pairs.forces.col(i));
+    pairs.displacements.col(i) = palpate::support::sticking_ball(pairs.forces.col(i));
   }
   return pairs;
 }

@@ -22,7 +22,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // A coarse search for the friction boundary: some 60 pairs at a dense contact, 12 at a sparse one.
-const testing::StripProbing kDense{.directions = 6, .resolution = 0.4, .seed = 17};
+const support::StripProbing kDense{.directions = 6, .resolution = 0.4, .seed = 17};
 const std::vector<std::size_t> kDenseContacts{1, 3, 6, 8, 10};
 
 double median(std::vector<double> values) {
@@ -32,8 +32,8 @@ double median(std::vector<double> values) {
 
 // Of twelve contacts of a beam five are dense.
 struct BeamSet {
-  explicit BeamSet(const testing::Beam& beam = {}) {
-    std::vector<Eigen::Vector2d> places = testing::beam_places(beam), some;
+  explicit BeamSet(const support::Beam& beam = {}) {
+    std::vector<Eigen::Vector2d> places = support::beam_places(beam), some;
     for (std::size_t i = 0; i < places.size(); i += 5) {
       some.push_back(places[i]);
       some.push_back(places[i + 2]);
@@ -99,9 +99,9 @@ TEST(LocalGlobal, ContactsWithManySamplesKeepTheirOwnFit) {
 }
 
 TEST(LocalGlobal, FindsHowTheBeamGivesWayFromOneContactToTheNext) {
-  const testing::Beam beam;
-  testing::StripProbing dense = kDense, sparse{.normal_forces = {0.8, 2.4}, .directions = 4};
-  for (testing::StripProbing* probing : {&dense, &sparse}) {
+  const support::Beam beam;
+  support::StripProbing dense = kDense, sparse{.normal_forces = {0.8, 2.4}, .directions = 4};
+  for (support::StripProbing* probing : {&dense, &sparse}) {
     probing->position_noise = probing->location_noise = probing->force_noise = 0;
   }
   const std::vector<Eigen::Vector2d> places{{20, 0}, {90, 14}, {180, -14}, {50, 14}, {150, 0}};
@@ -161,7 +161,7 @@ TEST(LocalGlobal, AContactOfAnotherKindKeepsItsOwnFit) {
 }
 
 TEST(LocalGlobal, IsRefusedOnAStretchedSheetWhoseContactsHaveNothingInCommon) {
-  const testing::Strip sheet;
+  const support::Strip sheet;
   std::vector<Eigen::Vector2d> places;
   for (const double x : {-42, -28, -14, 0, 10, 35}) places.emplace_back(x, 20 + x / 2);
   const ProbedContacts probed = probed_contacts(sheet, places, {.dense = kDense});

@@ -195,14 +195,14 @@ TEST(FitFrictionAxis, RefusesWhatIsNotFiniteOrOutOfRange) {
 // nearer to all of them than 3.6 degrees (RMS); a mean of the displacements of a half-plane is off
 // by 14.
 TEST(FitFrictionAxis, IsThatOfASheetAlsoFromHalfOfTheDirections) {
-  const testing::Strip strip;
+  const support::Strip strip;
   double squares = 0, half_squares = 0, mean_squares = 0;
   int count = 0;
   for (const Vector2d& at :
        {Vector2d(-14, -20), Vector2d(0, 0), Vector2d(28, 0), Vector2d(7, 40)}) {
-    const probing::Acquisition acquisition = testing::strip_contact(at.x(), at.y(), strip);
-    const Eigen::Matrix3d frame = testing::strip_frame(at.x(), at.y());
-    const Vector3d cone = testing::strip_cone(strip, at.x(), at.y()).axis;
+    const probing::Acquisition acquisition = support::strip_contact(at.x(), at.y(), strip);
+    const Eigen::Matrix3d frame = support::strip_frame(at.x(), at.y());
+    const Vector3d cone = support::strip_cone(strip, at.x(), at.y()).axis;
     const auto fitted = [&](const probing::Acquisition& measured) {
       return fit_friction_axis(realign(measured.contacts[0], measured.samples),
                                frame.transpose() * cone);
@@ -221,7 +221,7 @@ TEST(FitFrictionAxis, IsThatOfASheetAlsoFromHalfOfTheDirections) {
     EXPECT_EQ(half_fit.stop, FrictionAxisStop::converged);
     for (const double level : {0.15, 0.5, 1.1, 2.0, 3.0}) {
       const Vector3d truth =
-          frame.transpose() * testing::strip_displacement(strip, at.x(), at.y(), level * cone);
+          frame.transpose() * support::strip_displacement(strip, at.x(), at.y(), level * cone);
       squares += std::pow(angle_between(*fit.axis, truth), 2);
       half_squares += std::pow(angle_between(*half_fit.axis, truth), 2);
       mean_squares += std::pow(angle_between(mean, truth), 2);

@@ -15,8 +15,8 @@
 namespace palpate::haptics {
 namespace {
 
-using palpate::testing::Strip;
-using palpate::testing::StripProbing;
+using palpate::support::Strip;
+using palpate::support::StripProbing;
 using ::testing::HasSubstr;
 
 /// Ten contacts and few samples: enough for all parameters.
@@ -89,7 +89,7 @@ TEST(Identify, TellsAnObjectThatIsNoStrip) {
 }
 
 TEST(Identify, DoesNotTakeTheErrorsOfAModelThatExplainsNothingForNoise) {
-  probing::Acquisition reversed = palpate::testing::strip_acquisition();
+  probing::Acquisition reversed = palpate::support::strip_acquisition();
   for (probing::Sample& sample : reversed.samples) {
     sample.force *= -1;
     sample.group = 0;  // their scatter passes for noise
@@ -112,9 +112,9 @@ TEST(Identify, DoesNotTakeTheErrorsOfAModelThatExplainsNothingForNoise) {
 
 /// A half-space probed with noise, by the closed form of two springs.
 probing::Acquisition probed_half_space(double normal, double tangential, bool only_normal = false) {
-  constexpr double kNoise = 0.01;  // [mm]
+  constexpr double kPositionNoise = 0.01;  // [mm]
   std::mt19937 random(5);
-  std::normal_distribution<double> noise(0, kNoise);
+  std::normal_distribution<double> noise(0, kPositionNoise);
   probing::Acquisition acquisition;
   for (int c = 0; c < 3; ++c) {
     acquisition.contacts.push_back({c, {10.0 * c, 3, 700}, {0, 0, -1}});
@@ -229,7 +229,7 @@ TEST(Identify, NamesWhatTheDataDoNotDetermine) {
   const Strip strip;
   const StripProbing probing = few(1);
   probing::Acquisition line;
-  palpate::testing::StripProbe probe(strip, probing);
+  palpate::support::StripProbe probe(strip, probing);
   for (const double x : {-42, -14, 14, 42}) probe.probe(line, x, 0);
   const Identification found = identify_strip(line).report;
   EXPECT_EQ(parameter(found, "slope").status, ParameterStatus::undetermined);

@@ -9,7 +9,7 @@
 
 #include "palpate/haptics/evaluate.h"
 
-namespace palpate::testing {
+namespace palpate::support {
 namespace {
 
 constexpr double kRounding = 2e-4;  // [mm] six digits of displacements up to 24 mm and their forces
@@ -53,4 +53,4 @@ TEST(StripAcquisition, ScattersAsStated) {
 }
 
 }  // namespace
-}  // namespace palpate::testing
+}  // namespace palpate::support

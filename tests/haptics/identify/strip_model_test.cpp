@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 /// The sheet of strip_acquisition.h.
 StripModel sheet() {
-  const palpate::testing::Strip strip;
+  const palpate::support::Strip strip;
   StripModel model;
   model.low_support = -strip.support;
   model.high_support = strip.support;
@@ -27,13 +27,13 @@ StripModel sheet() {
 }
 
 probing::Contact contact_at(double x, double y) {
-  return {1, palpate::testing::strip_surface(x, y),
-          -palpate::testing::strip_frame(x, y).row(2).transpose()};
+  return {1, palpate::support::strip_surface(x, y),
+          -palpate::support::strip_frame(x, y).row(2).transpose()};
 }
 
 TEST(StripModel, MovesAsTheSheetThatWasMeasured) {
   constexpr double kTol = 1e-7;  // [mm] of the two searches for an equilibrium
-  for (const auto& truth : palpate::testing::strip_truths(palpate::testing::Strip{},
+  for (const auto& truth : palpate::support::strip_truths(palpate::support::Strip{},
                                                           {{-42, -60}, {3, 11}, {28, 40}}, 30)) {
     const probing::Contact contact = contact_at(truth.contact.x(), truth.contact.y());
     EXPECT_LT((displacement(sheet(), contact, truth.force) - truth.displacement).norm(), kTol);

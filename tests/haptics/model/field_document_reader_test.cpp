@@ -165,12 +165,12 @@ TEST(FieldDocumentReader, RefusesOffsetsThatCannotBe) {
       json::parse(field_document(some_model(), ModelEncoding::json))["pressing_offsets"];
   for (const auto& [key, value] : offsets.items()) {
     const std::string place = "/pressing_offsets/" + key;
-    EXPECT_THAT(refused_document([&](json& d) { d["pressing_offsets"].erase(key); }),
+    EXPECT_THAT(refused_document([&, key = key](json& d) { d["pressing_offsets"].erase(key); }),
                 AllOf(HasSubstr("/pressing_offsets:"), HasSubstr('"' + key + '"')));
-    EXPECT_THAT(refused_document([&](json& d) { d["pressing_offsets"][key] = nullptr; }),
+    EXPECT_THAT(refused_document([&, key = key](json& d) { d["pressing_offsets"][key] = nullptr; }),
                 AllOf(HasSubstr(place), HasSubstr("found null")));
     if (!key.ends_with("_error") && !key.ends_with("_spread")) continue;
-    EXPECT_THAT(refused_document([&](json& d) {
+    EXPECT_THAT(refused_document([&, key = key](json& d) {
                   json& error = d["pressing_offsets"][key];
                   (error.is_array() ? error[2] : error) = -1;
                 }),

@@ -69,13 +69,13 @@ TEST(ErrorForecast, DoesNotDependOnTheOrderOfContacts) {
 // The forecast is made from 46 contacts of a sheet above a block; then it is measured with 95.
 TEST(ErrorForecast, ForetellsTheErrorOfAModelWithMoreContacts) {
   const probing::Sheet object{.block = 1.5};
-  const auto measured = [&](const testing::StripProbing& probing) {
-    return build_model(probing::CheckedAcquisition(testing::strip_acquisition(object, probing)),
+  const auto measured = [&](const support::StripProbing& probing) {
+    return build_model(probing::CheckedAcquisition(support::strip_acquisition(object, probing)),
                        probing::make_specimen(object)->surface())
         .model;
   };
-  const testing::StripProbing dense{.spacing_x = 10.5, .spacing_y = 13.4, .directions = 4};
-  testing::StripProbing few = dense;
+  const support::StripProbing dense{.spacing_x = 10.5, .spacing_y = 13.4, .directions = 4};
+  support::StripProbing few = dense;
   few.spacing_x = 14;
   few.spacing_y = 20;
   const Model pilot = measured(few), model = measured(dense);
@@ -95,7 +95,7 @@ TEST(ErrorForecast, ForetellsTheErrorOfAModelWithMoreContacts) {
   }
   const BlendedField field(model);
   double error = 0, force = 0;
-  for (const testing::StripTruth& truth : testing::strip_truths(object, places, 1)) {
+  for (const support::StripTruth& truth : support::strip_truths(object, places, 1)) {
     error += (field.force(truth.contact, truth.displacement) - truth.force).squaredNorm();
     force += truth.force.squaredNorm();
   }

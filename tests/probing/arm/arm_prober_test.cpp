@@ -24,7 +24,7 @@ namespace palpate::probing {
 namespace {
 
 using Eigen::Vector3d;
-using testing::pull_at;
+using support::pull_at;
 
 const std::shared_ptr<const Specimen> kElasticBody =
     make_specimen(ElasticBody{.young_modulus = 0.2, .friction = 0.7});
@@ -91,10 +91,10 @@ class BreakingArm final : public Arm {
 /// A prober on a virtual arm over the body.
 struct ProbingRig {
   explicit ProbingRig(const Specimen& specimen = *kElasticBody, const EmergencyStop* stop = nullptr)
-      : options(testing::prober_over(specimen)),
-        arm(&specimen, testing::virtual_arm_for(options)),
+      : options(support::prober_over(specimen)),
+        arm(&specimen, support::virtual_arm_for(options)),
         breaking(arm),
-        prober(breaking, options, stop, testing::measured_gravity()) {}
+        prober(breaking, options, stop, support::measured_gravity()) {}
 
   Vector3d force_on_object() const { return options.T_world_base.linear() * arm.truth().force; }
   Vector3d tip() const { return options.T_world_base * arm.truth().tip; }
@@ -163,10 +163,10 @@ TEST(ArmProber, PressesAndDragsWithTheForcesAskedAndMeasuresWhereTheTipIs) {
 
 TEST(ArmProber, ADitherAtRestMakesTheForceMoreExactAndDoesNotShakeTheTip) {
   const auto errors = [](double dither) {
-    ArmProberOptions options = testing::prober_over(*kElasticBody);
+    ArmProberOptions options = support::prober_over(*kElasticBody);
     options.dither = dither;
-    VirtualArm arm(kElasticBody.get(), testing::virtual_arm_for(options));
-    ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+    VirtualArm arm(kElasticBody.get(), support::virtual_arm_for(options));
+    ArmProber prober(arm, options, nullptr, support::measured_gravity());
     std::vector<Vector3d> found;
     struct Watch final : Prober {
       Watch(ArmProber& p, VirtualArm& a, const ArmProberOptions& o, std::vector<Vector3d>& e)
@@ -419,10 +419,10 @@ class RealTimeArm final : public Arm {
 };
 
 TEST(ArmProber, HoldsAnArmWithARealClockBetweenTrials) {
-  const ArmProberOptions options = testing::prober_over(*kElasticBody);
-  VirtualArm simulated(kElasticBody.get(), testing::virtual_arm_for(options));
+  const ArmProberOptions options = support::prober_over(*kElasticBody);
+  VirtualArm simulated(kElasticBody.get(), support::virtual_arm_for(options));
   RealTimeArm arm(simulated);
-  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  ArmProber prober(arm, options, nullptr, support::measured_gravity());
   const auto run = [&](long long trial) {
     return run_trial(prober, pull_at(trial, kProbedPlace, kTowardsArm, 0.5, 0.2), {});
   };
@@ -484,11 +484,11 @@ TEST(ArmProber, GoesOnFromItsMemoryAsItWouldHave) {
 }
 
 TEST(ArmProber, RefusesAnApproachWhoseJointsHunt) {
-  ArmProberOptions options = testing::prober_over(*kElasticBody);
+  ArmProberOptions options = support::prober_over(*kElasticBody);
   options.hunting = 1e-9;  // [N] less than the noise of any controller
   options.gains.dead_band = 0;
-  VirtualArm arm(kElasticBody.get(), testing::virtual_arm_for(options));
-  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  VirtualArm arm(kElasticBody.get(), support::virtual_arm_for(options));
+  ArmProber prober(arm, options, nullptr, support::measured_gravity());
   EXPECT_EQ(run_trial(prober, pull_at(0, kProbedPlace, kTowardsArm, 1, 0), {}).outcome,
             TrialOutcome::unsettled);
   EXPECT_FALSE(arm.truth().in_contact);

@@ -23,27 +23,27 @@ const std::shared_ptr<const Specimen> kRecordedBody =
     make_specimen(ElasticBody{.young_modulus = 0.2, .friction = 0.7});
 
 TrialOrder recorded_order(long long trial, double force = 0.4) {
-  return testing::pull_at(trial, {10, 5, 700}, {0, 0, -1}, force, 0.1);
+  return support::pull_at(trial, {10, 5, 700}, {0, 0, -1}, force, 0.1);
 }
 
 class ArmRecord : public ::testing::Test {
  protected:
   /// Two trials, recorded.
   void SetUp() override {
-    VirtualArm arm(kRecordedBody.get(), testing::virtual_arm_for(options));
+    VirtualArm arm(kRecordedBody.get(), support::virtual_arm_for(options));
     RecordingArm recorder(arm, file, "a session");
-    ArmProber prober(recorder, options, nullptr, testing::measured_gravity());
+    ArmProber prober(recorder, options, nullptr, support::measured_gravity());
     for (TrialResult& each : results) each = run_trial(prober, recorded_order(trial++), {});
     recorder.flush();
   }
   TrialResult replayed(ReplayArm& arm, long long which, double force = 0.4) {
-    ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+    ArmProber prober(arm, options, nullptr, support::measured_gravity());
     return run_trial(prober, recorded_order(which, force), {});
   }
 
   ScratchFolder folder;
   std::filesystem::path file = folder / "session.arm";
-  ArmProberOptions options = testing::prober_over(*kRecordedBody);
+  ArmProberOptions options = support::prober_over(*kRecordedBody);
   TrialResult results[2];
   long long trial = 0;
 };
@@ -53,7 +53,7 @@ TEST_F(ArmRecord, GivesTheSameMeasurementsAgain) {
   EXPECT_EQ(arm.session(), "a session");
   EXPECT_EQ(arm.description().name, "virtual arm");
   EXPECT_FALSE(arm.description().real_time);
-  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  ArmProber prober(arm, options, nullptr, support::measured_gravity());
   for (int i = 0; i < 2; ++i) {
     const TrialResult again = run_trial(prober, recorded_order(i), {});
     EXPECT_EQ(again.outcome, TrialOutcome::held);
@@ -74,7 +74,7 @@ TEST_F(ArmRecord, GoesOnAtTheTrialThatIsAskedFor) {
 TEST_F(ArmRecord, HoldsTheReferenceForceIfThereIsOne) {
   ReplayArm arm(file);
   EXPECT_TRUE(arm.description().measures_reference);
-  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  ArmProber prober(arm, options, nullptr, support::measured_gravity());
   static_cast<void>(run_trial(prober, recorded_order(0), {}));
   ASSERT_EQ(prober.applied_forces().size(), 3u);  // press, drag, release
   for (const AppliedForce& each : prober.applied_forces()) {

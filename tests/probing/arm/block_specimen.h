@@ -11,7 +11,7 @@
 #include "palpate/probing/virtual_arm.h"
 #include "test_surfaces.h"
 
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 /// A block with a flat top, the plane z = 0 for |x|, |y| <= 50 mm, that stiffens as it is pressed.
 class BlockSpecimen final : public Specimen {
@@ -48,4 +48,4 @@ inline VirtualArmOptions arm_above_block(double height) {
   return options;
 }
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

@@ -14,7 +14,7 @@
 #include "palpate/probing/virtual_arm.h"
 
 // Faults between an arm and its program, and what a SafeArm makes of them.
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 /// A virtual arm in free space between which and the program something goes wrong.
 class FaultyArm final : public Arm {
@@ -206,4 +206,4 @@ inline FaultOutcome outcome_of_fault(FaultyArm::Fault fault, unsigned seed) {
   return outcome;
 }
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

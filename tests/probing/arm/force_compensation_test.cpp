@@ -131,9 +131,9 @@ struct Errors {
 };
 
 Errors errors_of_forces(double stiffness, bool compensated, unsigned seed, int count) {
-  VirtualArmOptions options = testing::arm_above_block(Press::kHeight);
+  VirtualArmOptions options = support::arm_above_block(Press::kHeight);
   options.seed = seed;
-  const testing::BlockSpecimen block(stiffness, 2.0);
+  const support::BlockSpecimen block(stiffness, 2.0);
   Press press(block, options, calibrated(options));
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> pressing(0.2, 1.2), pull(0.1, 0.8);

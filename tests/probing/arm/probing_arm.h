@@ -11,7 +11,7 @@
 #include "palpate/probing/virtual_arm.h"
 
 // A virtual arm over a specimen, as tests of the prober use it.
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 inline ArmProberOptions prober_over(const Specimen& specimen) {
   ArmProberOptions options;
@@ -51,4 +51,4 @@ inline TrialOrder pull_at(long long trial, const Eigen::Vector3d& place,
           .tangential_force = tangential * along};
 }
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

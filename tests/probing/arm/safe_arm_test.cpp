@@ -22,15 +22,15 @@
 namespace palpate::probing {
 namespace {
 
-using testing::FaultyArm;
+using support::FaultyArm;
 
 // A hundred seeds are in studies/probing_validation.
 constexpr unsigned kSeeds = 20;
 
 TEST(SafeArm, IsSafeWithinTwoTicksOfAnyFaultNamesItAndResumes) {
-  for (const auto& [fault, name] : testing::kInjectedFaults) {
+  for (const auto& [fault, name] : support::kInjectedFaults) {
     for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-      const testing::FaultOutcome outcome = testing::outcome_of_fault(fault, seed);
+      const support::FaultOutcome outcome = support::outcome_of_fault(fault, seed);
       EXPECT_EQ(to_string(outcome.before), "none") << to_string(name) << " " << seed;
       EXPECT_EQ(to_string(outcome.found), to_string(name)) << seed;
       // A drift of 10 N/s hides two ticks more in a command that changes, as motors may lag by one.

@@ -31,7 +31,7 @@ std::optional<Vector3d> guide(SimulatedContact& contact, const Vector3d& from, c
 }
 
 TEST(SimulatedContact, PressesAsFarAsTheObjectAndTheArmGiveWay) {
-  const testing::BlockSpecimen block(0.8);
+  const support::BlockSpecimen block(0.8);
   SimulatedContact contact(block, kStructure);
   const Vector3d above(0, 0, 1), within(0.3, 0, -1.5);
   EXPECT_FALSE(guide(contact, above, Vector3d(0, 0, 0.01)));
@@ -47,7 +47,7 @@ TEST(SimulatedContact, PressesAsFarAsTheObjectAndTheArmGiveWay) {
 }
 
 TEST(SimulatedContact, SlidesSoThatTheForceStaysOnTheFrictionCone) {
-  const testing::BlockSpecimen block(0.8, 0.5);
+  const support::BlockSpecimen block(0.8, 0.5);
   SimulatedContact contact(block, kStructure);
   const Vector3d pressed(0, 0, -1.5), dragged(4, 0, -1.5);
   ASSERT_TRUE(guide(contact, Vector3d(0, 0, 0.5), pressed));

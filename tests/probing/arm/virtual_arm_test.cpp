@@ -90,8 +90,8 @@ TEST(VirtualArm, KeepsItsEnergyInFreeMotion) {
 }
 
 TEST(VirtualArm, RestsOnTheSpecimenWhereItsTruthSays) {
-  const testing::BlockSpecimen block(0.8);
-  VirtualArmOptions options = testing::arm_above_block(2);
+  const support::BlockSpecimen block(0.8);
+  VirtualArmOptions options = support::arm_above_block(2);
   options.gravity.setZero();
   options.friction.setZero();
   options.viscosity = 200;  // comes to rest soon
@@ -116,8 +116,8 @@ TEST(VirtualArm, RestsOnTheSpecimenWhereItsTruthSays) {
 
 TEST(VirtualArm, SlipsBeyondTheFrictionConeOnly) {
   for (const double pull : {0.40, 0.60}) {  // times the normal force; the coefficient is 0.5
-    const testing::BlockSpecimen block(0.8, 0.5);
-    VirtualArmOptions options = testing::arm_above_block(2);
+    const support::BlockSpecimen block(0.8, 0.5);
+    VirtualArmOptions options = support::arm_above_block(2);
     options.gravity.setZero();
     options.friction.setZero();
     options.viscosity = 200;
@@ -198,8 +198,8 @@ TEST(VirtualArm, StandsStillUntilFrictionIsOvercome) {
 TEST(VirtualArm, RestsAfterSecondsAtItsHighestForceAndNeverBelowItsContinuousForce) {
   VirtualArmOptions options;
   options.gravity.setZero();
-  const testing::BlockSpecimen block(5);
-  VirtualArmOptions on_block = testing::arm_above_block(0.5);
+  const support::BlockSpecimen block(5);
+  VirtualArmOptions on_block = support::arm_above_block(0.5);
   on_block.gravity.setZero();
   const double continuous = on_block.continuous_torque / on_block.geometry.upper;
   for (const double force : {3.0, 0.95 * continuous}) {
@@ -269,8 +269,8 @@ TEST(VirtualArm, GoesOnFromItsMemoryBitByBit) {
 }
 
 TEST(VirtualArm, RunsFiftyTimesAsFastAsRealTime) {
-  const testing::BlockSpecimen block(0.8);
-  VirtualArm arm(&block, testing::arm_above_block(2));
+  const support::BlockSpecimen block(0.8);
+  VirtualArm arm(&block, support::arm_above_block(2));
   arm.activate();
   // The quickest of a few runs: others share the machine.
   double quickest = kInf;
@@ -299,7 +299,7 @@ TEST(VirtualArm, SaysWhyTheObjectDoesNotAnswer) {
     }
 
    private:
-    testing::BlockSpecimen block_{0.8};
+    support::BlockSpecimen block_{0.8};
   } const broken;
   VirtualArmOptions options;
   options.T_world_base = mount_over(broken.surface(), options.geometry);

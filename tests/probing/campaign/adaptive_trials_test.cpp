@@ -21,7 +21,7 @@
 namespace palpate::probing {
 namespace {
 
-using testing::perform;
+using support::perform;
 
 CampaignOptions adaptive(int most_samples) {
   return {.strategy = TrialStrategy::adaptive, .max_samples = most_samples};
@@ -95,7 +95,7 @@ class StickingBody : public Specimen {
   Eigen::Vector3d displacement(const Eigen::Vector3d&,
                                const Eigen::Vector3d& force) const override {
     if (!(force.z() > 0)) throw SolverError("the ball is pulled off");
-    return palpate::testing::sticking_ball(force);
+    return palpate::support::sticking_ball(force);
   }
   FrictionCone friction_cone(const Eigen::Vector3d&) const override {
     return {Eigen::Vector3d::UnitZ(), 0.8};

@@ -53,7 +53,7 @@ class CampaignStoreTest : public ::testing::Test {
   }
 
   const std::shared_ptr<const Specimen> sheet = make_specimen(Sheet{});
-  const ContactPlan plan = testing::small_plan(*sheet, 3);
+  const ContactPlan plan = support::small_plan(*sheet, 3);
   const CampaignOptions options = {};
   const ScratchFolder folder;
 };
@@ -88,7 +88,7 @@ TEST_F(CampaignStoreTest, GivesBackTrialsToTheLastBit) {
   CampaignStore store = CampaignStore::create(path(), description());
   Campaign campaign(plan, options);
   const auto arm = make_quasi_static_arm(sheet);
-  std::vector<TrialRecord> records = testing::perform(campaign, *arm, options, 12);
+  std::vector<TrialRecord> records = support::perform(campaign, *arm, options, 12);
   records.back().result.outcome = TrialOutcome::no_contact;
   records.front().result.creep = 0.1;
   records.front().result.work_dragging = 1.0 / 3;

@@ -18,8 +18,8 @@ namespace palpate::probing {
 namespace {
 
 using Eigen::Vector3d;
-using testing::perform;
-using testing::small_plan;
+using support::perform;
+using support::small_plan;
 
 const std::shared_ptr<const Specimen> kSheet = make_specimen(Sheet{});
 

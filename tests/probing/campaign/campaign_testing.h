@@ -10,7 +10,7 @@
 #include "palpate/probing/quasi_static_arm.h"
 
 // Shared by the tests of campaigns.
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 /// A plan of a few contacts of a sheet.
 inline ContactPlan small_plan(const Specimen& specimen, int contacts = 4) {
@@ -31,4 +31,4 @@ inline std::vector<TrialRecord> perform(Campaign& campaign, Prober& arm,
   return records;
 }
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

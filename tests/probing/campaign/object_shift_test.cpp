@@ -43,9 +43,9 @@ const std::shared_ptr<const Specimen> kProbedBody = make_specimen(ElasticBody{})
 
 std::vector<TrialRecord> first_trials(unsigned seed, int count) {
   const CampaignOptions options;
-  Campaign campaign(testing::small_plan(*kProbedBody), options);
+  Campaign campaign(support::small_plan(*kProbedBody), options);
   const auto arm = make_quasi_static_arm(kProbedBody, {.seed = seed});
-  return testing::perform(campaign, *arm, options, count);
+  return support::perform(campaign, *arm, options, count);
 }
 
 TEST(ObjectShift, ReferencesAreFarApartAndOftenTouched) {

@@ -89,7 +89,7 @@ TEST(ReferenceProbe, FewerThanThreeProbesTellNoDrift) {
 
 // The object softens by a third over a campaign: what is measured is what it does.
 TEST(ReferenceProbe, ACampaignOnASofteningObjectShowsIt) {
-  const ContactPlan plan = testing::small_plan(*make_specimen(ElasticBody{}), 1);
+  const ContactPlan plan = support::small_plan(*make_specimen(ElasticBody{}), 1);
   std::vector<ReferenceProbe> probes;
   const Contact& contact = plan.contacts[0];
   Vector3d first = Vector3d::Zero(), last = first;

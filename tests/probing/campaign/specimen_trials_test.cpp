@@ -97,7 +97,7 @@ TEST(SpecimenTrials, NameTheContactAndTheForceThatFailAndKeepTheOthers) {
   const auto whole = make_specimen(ElasticBody{});
   const ContactPlan plan = specimen_plan(*whole, 4);
   const Vector3d weak = plan.contacts[2].position;
-  const testing::WeakSpecimen specimen(make_specimen(ElasticBody{}), [&](const Vector3d& place) {
+  const support::WeakSpecimen specimen(make_specimen(ElasticBody{}), [&](const Vector3d& place) {
     return (place - weak).norm() < 1e-9 ? 1.5 : 10.0;
   });
   int last = 0, total = 0;
@@ -131,13 +131,13 @@ TEST(SpecimenTrials, NameTheContactAndTheForceThatFailAndKeepTheOthers) {
 TEST(SpecimenTrials, LeaveOutAContactWithoutSamplesAndFailWithoutAny) {
   const auto whole = make_specimen(ElasticBody{});
   const ContactPlan plan = specimen_plan(*whole, 3);
-  const testing::WeakSpecimen half(make_specimen(ElasticBody{}), [&](const Vector3d& place) {
+  const support::WeakSpecimen half(make_specimen(ElasticBody{}), [&](const Vector3d& place) {
     return (place - plan.contacts[0].position).norm() < 1e-9 ? 0.0 : 10.0;
   });
   const SpecimenTrials made = try_specimen(half, plan);
   ASSERT_EQ(made.acquisition.contacts.size(), 2U);
   EXPECT_EQ(made.acquisition.contacts[0].id, plan.contacts[1].id);
-  const testing::WeakSpecimen none(make_specimen(ElasticBody{}),
+  const support::WeakSpecimen none(make_specimen(ElasticBody{}),
                                    [](const Vector3d&) { return 0.0; });
   EXPECT_THAT([&] { (void)try_specimen(none, plan); },
               ThrowsMessage<SolverError>(HasSubstr(

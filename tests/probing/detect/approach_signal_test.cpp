@@ -22,11 +22,11 @@ struct Found {
 
 Found fault_of(const std::function<void(int, ApproachSample&)>& spoil) {
   SignalCheck check;
-  testing::Approach approach;
+  support::Approach approach;
   approach.free_path = 1e3;
   Found found;
   int count = 0;
-  testing::simulate(approach, 0.2, [&](ApproachSample& sample) {
+  support::simulate(approach, 0.2, [&](ApproachSample& sample) {
     sample.force = 0.05;
     ApproachSample seen = sample;
     spoil(count, seen);

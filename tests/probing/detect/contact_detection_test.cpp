@@ -16,15 +16,15 @@
 namespace palpate::probing {
 namespace {
 
-using testing::approach_until_touch;
-using testing::kBeforeIt;
-using testing::kPush;
-using testing::kSpeedLimit;
-using testing::Touch;
+using support::approach_until_touch;
+using support::kBeforeIt;
+using support::kPush;
+using support::kSpeedLimit;
+using support::Touch;
 
 TEST(ContactDetection, FindsTheSurfaceOfSoftAndStiffObjectsAndTouchesThemGently) {
   for (const double stiffness : {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0}) {
-    const testing::TouchFigures f = testing::touch_figures(stiffness, 120);
+    const support::TouchFigures f = support::touch_figures(stiffness, 120);
     EXPECT_EQ(f.wrong, 0) << stiffness;
     EXPECT_LT(std::abs(f.bias), 0.1) << stiffness;
     EXPECT_LT(f.deviation, stiffness < 0.1 ? 0.4 : 0.15) << stiffness;
@@ -36,7 +36,7 @@ TEST(ContactDetection, FindsTheSurfaceOfSoftAndStiffObjectsAndTouchesThemGently)
 
 TEST(ContactDetection, RaisesNoAlarmInFreeSpace) {
   for (unsigned seed = 1; seed <= 300; ++seed) {
-    testing::Approach approach = testing::random_approach(0, seed);
+    support::Approach approach = support::random_approach(0, seed);
     approach.free_path = 6;
     const Touch touch = approach_until_touch(approach, 2);
     EXPECT_FALSE(touch.touched) << seed << " at " << touch.place;
@@ -49,7 +49,7 @@ TEST(ContactDetection, NeedsNoBraking) {
     for (unsigned seed = 1; seed <= 40; ++seed) {
       ContactDetector detector;
       bool early = false;
-      testing::simulate(testing::random_approach(stiffness, seed), 1, [&](ApproachSample& sample) {
+      support::simulate(support::random_approach(stiffness, seed), 1, [&](ApproachSample& sample) {
         sample.force = kPush;
         early = detector.step(sample) && sample.position < kBeforeIt;
         return !detector.touched();
@@ -64,7 +64,7 @@ TEST(ContactDetection, NeedsNoBraking) {
 
 TEST(ContactDetection, MeasuresTheStiffness) {
   for (const double stiffness : {0.1, 1.0, 5.0}) {
-    testing::Approach approach;
+    support::Approach approach;
     approach.stiffness = stiffness;
     const Touch touch = approach_until_touch(approach);
     const auto estimate = estimate_contact(touch.samples);
@@ -75,7 +75,7 @@ TEST(ContactDetection, MeasuresTheStiffness) {
 }
 
 TEST(ContactDetection, MovesWithTheOriginOfTimeAndPlace) {
-  const Touch touch = approach_until_touch(testing::random_approach(0.5, 3));
+  const Touch touch = approach_until_touch(support::random_approach(0.5, 3));
   const auto here = estimate_contact(touch.samples);
   std::vector<ApproachSample> moved = touch.samples;
   for (ApproachSample& sample : moved) {
@@ -89,7 +89,7 @@ TEST(ContactDetection, MovesWithTheOriginOfTimeAndPlace) {
 }
 
 TEST(ContactDetection, SaysNothingAboutAnApproachWithoutContact) {
-  testing::Approach approach = testing::random_approach(0, 5);
+  support::Approach approach = support::random_approach(0, 5);
   approach.free_path = 6;
   EXPECT_FALSE(estimate_contact(approach_until_touch(approach, 1).samples));
 }

@@ -18,10 +18,10 @@ double mean_place(double stiffness) {
   constexpr int kRuns = 50;
   double sum = 0;
   for (unsigned seed = 1; seed <= kRuns; ++seed) {
-    testing::Approach approach = testing::random_approach(stiffness, seed);
+    support::Approach approach = support::random_approach(stiffness, seed);
     approach.force_gradient = approach.friction = approach.jitter = approach.damping = 0;
     ParabolaDetector detector;
-    testing::simulate(approach, 1, [&](ApproachSample& sample) {
+    support::simulate(approach, 1, [&](ApproachSample& sample) {
       sample.force = 0.2;
       return !detector.step(sample);
     });
@@ -41,11 +41,11 @@ TEST(ParabolaDetector, NoticesContactInsideTheObjectTheDeeperTheSofter) {
 
 TEST(ParabolaDetector, RaisesNoAlarmOnAParabola) {
   for (unsigned seed = 1; seed <= 200; ++seed) {
-    testing::Approach approach = testing::random_approach(0, seed);
+    support::Approach approach = support::random_approach(0, seed);
     approach.force_gradient = approach.friction = approach.jitter = 0;
     approach.free_path = 6;
     ParabolaDetector detector;
-    testing::simulate(approach, 1, [&](ApproachSample& sample) {
+    support::simulate(approach, 1, [&](ApproachSample& sample) {
       sample.force = 0.2;
       return !detector.step(sample) && sample.position < 0;
     });

@@ -9,7 +9,7 @@
 
 #include "palpate/probing/approach_signal.h"
 
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 /// A tip that is pushed towards an object, with the values that a detector may not know.
 struct Approach {
@@ -85,4 +85,4 @@ inline double simulate(const Approach& approach, double duration,
   return highest;
 }
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

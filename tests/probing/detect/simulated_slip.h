@@ -10,7 +10,7 @@
 
 #include "palpate/probing/slip_detection.h"
 
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 /// A trial with its truth. The object is an isotropic spring, a share of whose compliance is that
 /// of a round contact, and whose surface is curved, so that a tip that slips comes to rest.
@@ -96,4 +96,4 @@ inline SimulatedTrial simulate_trial(unsigned seed) {
   return simulate_trial(spring, random);
 }
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

@@ -14,8 +14,8 @@
 namespace palpate::probing {
 namespace {
 
-using testing::simulate_trial;
-using testing::SimulatedTrial;
+using support::simulate_trial;
+using support::SimulatedTrial;
 
 /// Share of trials with a load in a range that are judged wrongly.
 double wrong_share(double low, double high, int runs, const SlipOptions& options = {}) {
@@ -51,7 +51,7 @@ WrongDecisions decisions_with_learnt_microslip(double share, bool learnt) {
   WrongDecisions wrong;
   std::mt19937_64 random(1);
   for (int contact = 0; contact < 100; ++contact) {
-    testing::SimulatedSpring spring = testing::any_spring(random);
+    support::SimulatedSpring spring = support::any_spring(random);
     spring.share = share;
     std::vector<HeldDrag> drags;
     for (int i = 0; i < 40; ++i) {
@@ -95,7 +95,7 @@ TEST(SlipDetection, AllowsMostMicroslipBeforeAnyDragHeld) {
 WrongDecisions decisions_with_learnt_noise(double overstated, bool learnt) {
   WrongDecisions wrong;
   std::mt19937_64 random(1);
-  const testing::SimulatedSpring spring{.compliance = 4, .share = 0};
+  const support::SimulatedSpring spring{.compliance = 4, .share = 0};
   std::vector<double> held;
   SlipOptions options{.position_deviation = 0.02 * overstated,
                       .force_deviation = 0.005 * overstated,

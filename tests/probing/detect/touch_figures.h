@@ -12,7 +12,7 @@
 #include "palpate/probing/contact_detection.h"
 #include "palpate/probing/parabola_detector.h"
 
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 inline constexpr double kPush = 0.2;       // [N]
 inline constexpr double kSpeedLimit = 30;  // [mm/s]
@@ -112,4 +112,4 @@ inline TouchFigures touch_figures_of_thesis(double stiffness, int runs) {
   return figures_of(wrong, places, {}, forces);
 }
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

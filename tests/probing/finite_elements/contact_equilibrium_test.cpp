@@ -353,16 +353,16 @@ TEST(ContactEquilibrium, FailsByName) {
 
 // Many more in `finite_element_validation` in studies.
 TEST(ContactEquilibrium, RandomPathsConvergeOrFailByName) {
-  palpate::testing::PathCounts counts;
+  palpate::support::PathCounts counts;
   unsigned seed = 0;
-  const auto follow = [&](const palpate::testing::PathSolid& object, double friction, int paths) {
+  const auto follow = [&](const palpate::support::PathSolid& object, double friction, int paths) {
     const ContactEquilibrium solid(object.body, {.friction = friction});
     for (int i = 0; i < paths; ++i)
-      palpate::testing::follow_random_path(object, solid, seed++, 2, counts);
+      palpate::support::follow_random_path(object, solid, seed++, 2, counts);
   };
-  follow(palpate::testing::path_block(10, 4, 2), kInfinity, 6);
-  follow(palpate::testing::path_block(10, 4, 2), 0.6, 6);
-  follow(palpate::testing::path_sheet(8, 4), kInfinity, 4);
+  follow(palpate::support::path_block(10, 4, 2), kInfinity, 6);
+  follow(palpate::support::path_block(10, 4, 2), 0.6, 6);
+  follow(palpate::support::path_sheet(8, 4), kInfinity, 4);
   EXPECT_THAT(counts.broken, ::testing::IsEmpty());
   EXPECT_EQ(counts.paths, 16);
   EXPECT_GE(counts.converged, 8);

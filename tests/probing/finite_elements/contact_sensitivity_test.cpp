@@ -16,7 +16,7 @@ namespace palpate::probing {
 namespace {
 
 using Eigen::Vector3d;
-using palpate::testing::evenly;
+using palpate::support::evenly;
 
 const Vector3d kBlockPlace(2, 1, 0), kBlockInward(0, 0, 1), kBlockForce(0.15, -0.1, 0.8);
 
@@ -33,9 +33,9 @@ DeformableBody half_stiff_block(double soft, double stiff, double bulk_ratio, do
   }
   body.materials = {{.shear_modulus = soft, .bulk_modulus = bulk_ratio * soft},
                     {.shear_modulus = stiff, .bulk_modulus = bulk_ratio * stiff}};
-  palpate::testing::support_where(
+  palpate::support::support_where(
       body, [](const Vector3d& at) { return std::abs(at.x()) == 15 || at.z() == 12; });
-  palpate::testing::move_supports(body, [&](const Vector3d& at) -> Vector3d {
+  palpate::support::move_supports(body, [&](const Vector3d& at) -> Vector3d {
     return {stretch * at.x() / 15, 0, 0};
   });
   return body;
@@ -128,7 +128,7 @@ TEST(ContactSensitivity, RefusesASolidOfOtherNodes) {
   DeformableBody other;
   other.mesh = box_mesh(evenly(-15, 15, 2), evenly(-12, 12, 2), evenly(0, 12, 2));
   other.materials = {{}};
-  palpate::testing::support_where(other, [](const Vector3d& at) { return at.z() == 12; });
+  palpate::support::support_where(other, [](const Vector3d& at) { return at.z() == 12; });
   const ContactEquilibrium wrong(std::move(other), {.tip_radius = 4});
   ContactSeries series(solid, solid.touch(kBlockPlace, kBlockInward));
   const ContactState at = series.apply_force({0, 0, 0.5}).state;

@@ -15,7 +15,7 @@ namespace palpate::probing {
 namespace {
 
 using Eigen::Vector3d;
-using palpate::testing::evenly;
+using palpate::support::evenly;
 
 TEST(ContactSystem, TheTipActsOnAllPointsWithinItsRadius) {
   constexpr double kRadius = 4;

@@ -13,7 +13,7 @@ namespace palpate::probing {
 namespace {
 
 using Eigen::Vector3d;
-using palpate::testing::evenly;
+using palpate::support::evenly;
 
 DeformableBody sheared_box() {
   DeformableBody body;
@@ -22,9 +22,9 @@ DeformableBody sheared_box() {
   std::fill(body.mesh.regions.begin(), body.mesh.regions.begin() + 6, 1);
   body.materials = {{.shear_modulus = 0.1, .bulk_modulus = 1},
                     {.shear_modulus = 0.1, .bulk_modulus = 1}};
-  palpate::testing::support_where(body,
+  palpate::support::support_where(body,
                                   [](const Vector3d& at) { return at.z() == 0 || at.z() == 8; });
-  palpate::testing::move_supports(body, [](const Vector3d& at) -> Vector3d {
+  palpate::support::move_supports(body, [](const Vector3d& at) -> Vector3d {
     return {0.1 * at.z(), 0, 0};
   });
   return body;

@@ -30,17 +30,17 @@ TEST(RestEquilibrium, AThickBalloonHasItsRadiusAndPressureInClosedForm) {
   constexpr double kInner = 10, kOuter = 15, kInflated = 14;  // [mm]
   const Hyperelastic material{.shear_modulus = 0.3, .bulk_modulus = 1500, .mooney_share = 0.25};
   DeformableBody body;
-  body.mesh = palpate::testing::spherical_shell_mesh(kInner, kOuter, 4, 2);
+  body.mesh = palpate::support::spherical_shell_mesh(kInner, kOuter, 4, 2);
   body.materials = {material};
   const auto inside = [&](const Vector3d& at) { return at.norm() < kInner * (1 + 1e-9); };
-  palpate::testing::support_where(body, inside);
-  palpate::testing::move_supports(
+  palpate::support::support_where(body, inside);
+  palpate::support::move_supports(
       body, [&](const Vector3d& at) { return Vector3d((kInflated / kInner - 1) * at); });
   const ContactEquilibrium balloon(body);
 
   const double outer =
       std::cbrt(std::pow(kOuter, 3) + std::pow(kInflated, 3) - std::pow(kInner, 3));
-  const Eigen::Matrix3Xd forces = palpate::testing::node_forces(body, balloon.rest());
+  const Eigen::Matrix3Xd forces = palpate::support::node_forces(body, balloon.rest());
   double push = 0;
   int outer_nodes = 0;
   for (Eigen::Index n = 0; n < body.mesh.nodes.cols(); ++n) {

@@ -23,7 +23,7 @@ using test::error_of;
 using test::kTurnDegree;
 using test::PoseError;
 using test::stand;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kBallRadius = 15;  // [mm]
 constexpr double kBallNoise =
@@ -67,7 +67,7 @@ TEST(PlaceByBall, IsExactForExactPositions) {
   EXPECT_LT(error_of(found).shift.norm(), 1e-9);
   EXPECT_LT(error_of(found).turn.norm(), 1e-10);
   EXPECT_FALSE(found.offset_deviation);
-  EXPECT_THAT(found.doubts, testing::IsEmpty());
+  EXPECT_THAT(found.doubts, ::testing::IsEmpty());
 }
 
 TEST(PlaceByBall, FindsWhereTheBallIsOnATipThatTurns) {
@@ -133,10 +133,10 @@ TEST(PlaceByBall, SaysWhichTurnPositionsOnALineLeaveFreeAndWhatWouldFixIt) {
   }
   const BallPlacement found = place_by_ball(balls, kBallRadius);
   EXPECT_FALSE(found.determined);
-  EXPECT_THAT(found.reason, testing::AnyOf(HasSubstr("a turn about (0.60, 0.00, 0.80)"),
-                                           HasSubstr("a turn about (-0.60, 0.00, -0.80)"),
-                                           HasSubstr("a turn about (0.60, -0.00, 0.80)"),
-                                           HasSubstr("a turn about (-0.60, -0.00, -0.80)")));
+  EXPECT_THAT(found.reason, ::testing::AnyOf(HasSubstr("a turn about (0.60, 0.00, 0.80)"),
+                                             HasSubstr("a turn about (-0.60, 0.00, -0.80)"),
+                                             HasSubstr("a turn about (0.60, -0.00, 0.80)"),
+                                             HasSubstr("a turn about (-0.60, -0.00, -0.80)")));
   ASSERT_TRUE(found.advice);
   const Vector3d way = found.advice->tip_camera - Vector3d(0, 0, 700);
   EXPECT_GT((way - way.dot(along) * along).norm(), 40);

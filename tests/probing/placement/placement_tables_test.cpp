@@ -14,9 +14,9 @@
 namespace palpate::probing {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class PlacementTables : public testing::Test {
+class PlacementTables : public ::testing::Test {
  protected:
   std::filesystem::path written(const std::string& text) {
     const std::filesystem::path path = scratch_ / "table.csv";

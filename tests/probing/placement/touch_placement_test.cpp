@@ -26,7 +26,7 @@ using test::error_of;
 using test::kTurnDegree;
 using test::PoseError;
 using test::stand;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 constexpr double kTip = 3;               // [mm]
 constexpr double kTouchNoise = 0.03;     // [mm] of a touch along its approach, as the virtual arm's
@@ -94,7 +94,7 @@ TEST(PlaceByTouches, IsExactForExactTouchesFromARoughPoseAndFromNone) {
     EXPECT_LT(error_of(found).shift.norm(), 1e-6);
     EXPECT_LT(error_of(found).turn.norm(), 1e-7);
     EXPECT_EQ(found.used, 40);
-    EXPECT_THAT(found.doubts, testing::IsEmpty());
+    EXPECT_THAT(found.doubts, ::testing::IsEmpty());
   }
 }
 

@@ -111,7 +111,7 @@ std::vector<std::string> messages(const Acquisition& acquisition) {
 Finding the_finding(Acquisition acquisition, const Change& change) {
   change(acquisition);
   const std::vector<Finding> findings = find_implausible(acquisition);
-  EXPECT_EQ(findings.size(), 1u) << testing::PrintToString(messages(acquisition));
+  EXPECT_EQ(findings.size(), 1u) << ::testing::PrintToString(messages(acquisition));
   return findings.empty() ? Finding{} : findings.front();
 }
 
@@ -389,7 +389,7 @@ Finding tool_at_others(const Change& change) {
     change(a);
     const std::vector<Finding> findings = find_implausible(a);
     const auto found = std::ranges::find(findings, Implausibility::distant_tool, &Finding::kind);
-    EXPECT_NE(found, findings.end()) << testing::PrintToString(messages(a));
+    EXPECT_NE(found, findings.end()) << ::testing::PrintToString(messages(a));
     if (found != findings.end()) result = *found;
   }
   return result;

@@ -21,10 +21,10 @@
 namespace palpate::probing {
 namespace {
 
-using palpate::testing::mat_structure;
-using palpate::testing::mat_variable;
-using palpate::testing::mat_variables;
-using palpate::testing::write_mat;
+using palpate::support::mat_structure;
+using palpate::support::mat_variable;
+using palpate::support::mat_variables;
+using palpate::support::write_mat;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 

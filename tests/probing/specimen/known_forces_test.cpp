@@ -44,7 +44,7 @@ TEST(KnownForces, AreThoseOfTheSpecimenInsideItsConeAndAwayFromItsBorder) {
 }
 
 TEST(KnownForces, NamesThoseWithoutAnEquilibriumAndKeepsTheOthers) {
-  const testing::WeakSpecimen specimen(make_specimen(ElasticBody{}), [](const Vector3d& place) {
+  const support::WeakSpecimen specimen(make_specimen(ElasticBody{}), [](const Vector3d& place) {
     return place.x() > 0 ? 1.0 : 10.0;  // [N]
   });
   int done = 0;

@@ -16,7 +16,7 @@ TEST(ProbedSolid, PlacesLieOnTheSurfaceThatTheCameraSeesAndPointInwards) {
   DeformableBody body;
   body.mesh = ball_mesh({0, 0, 720}, 20, 6);
   body.materials = {{}};
-  palpate::testing::support_where(body, [](const Vector3d& at) { return at.z() > 730; });
+  palpate::support::support_where(body, [](const Vector3d& at) { return at.z() > 730; });
   const ProbedSolid ball(body, {});
   const ProbedPlace place = ball.place({5, -3, 690});
   const Vector3d outward = (place.position - Vector3d(0, 0, 720)).normalized();

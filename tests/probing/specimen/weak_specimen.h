@@ -9,7 +9,7 @@
 #include "palpate/core/error.h"
 #include "palpate/probing/specimen.h"
 
-namespace palpate::probing::testing {
+namespace palpate::probing::support {
 
 /// An object that has no equilibrium beyond a force [N] that depends on the place.
 class WeakSpecimen final : public Specimen {
@@ -32,4 +32,4 @@ class WeakSpecimen final : public Specimen {
   std::function<double(const Eigen::Vector3d&)> strength_;
 };
 
-}  // namespace palpate::probing::testing
+}  // namespace palpate::probing::support

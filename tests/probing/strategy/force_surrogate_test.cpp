@@ -114,7 +114,7 @@ TEST(ForceSurrogate, VarianceFallsWithSamplesAsReductionsSay) {
 // Against surrogates that were made without one pair each. Their scale differs by some per cent.
 TEST(ForceSurrogate, PredictsEachPairFromTheOthersAsIfMadeWithoutIt) {
   const std::vector<ForcePair> pairs =
-      pairs_of(forces_in_cone(15, 3), palpate::testing::sticking_ball);
+      pairs_of(forces_in_cone(15, 3), palpate::support::sticking_ball);
   const ForceSurrogate surrogate(pairs);
   double found = 0, expected = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -137,7 +137,7 @@ TEST(ForceSurrogate, SeesThatDisplacementsComeFromNoEnergy) {
   const auto left_out = [](const auto& law) {
     return ForceSurrogate(pairs_of(forces_in_cone(25, 3), law)).left_out();
   };
-  const LeftOutPairs elastic = left_out(foam), sticking = left_out(palpate::testing::sticking_ball);
+  const LeftOutPairs elastic = left_out(foam), sticking = left_out(palpate::support::sticking_ball);
   EXPECT_LT(elastic.found, elastic.expected);
   EXPECT_LT(elastic.found, elastic.found_without_energy);
   EXPECT_GT(sticking.found, 3 * sticking.expected);

@@ -231,14 +231,15 @@ TEST(CalibrateRig, SaysAfterWhichViewTheProjectorWasKnocked) {
     std::size_t views, after;
     double degrees;
   };
-  for (const auto& [views, after, degrees] :
+  for (const Case& knock :
        {Case{12, 6, 0.3}, {12, 6, 0.03}, {12, 3, 0.3}, {12, 9, 2}, {8, 4, 0.1}}) {
-    const std::string message =
-        message_of<SolverError>([&] { (void)calibrate(knocked(views, after, degrees)); });
-    EXPECT_NE(message.find("moved against each other between view " + std::to_string(after - 1) +
-                           " and view " + std::to_string(after) + ":"),
-              std::string::npos)
-        << views << ' ' << after << ' ' << degrees << ": " << message;
+    const std::string message = message_of<SolverError>(
+        [&] { (void)calibrate(knocked(knock.views, knock.after, knock.degrees)); });
+    EXPECT_NE(
+        message.find("moved against each other between view " + std::to_string(knock.after - 1) +
+                     " and view " + std::to_string(knock.after) + ":"),
+        std::string::npos)
+        << knock.views << ' ' << knock.after << ' ' << knock.degrees << ": " << message;
   }
 }
 

@@ -21,8 +21,8 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kFullWell = 12000;  // electrons
-constexpr double kReadNoise = 20;
+constexpr double kShotFullWell = 12000;  // electrons
+constexpr double kShotReadNoise = 20;
 
 /// The rig of `make_rig` with a camera of a quarter of the pixels.
 Rig small_rig(bool verging) {
@@ -88,8 +88,9 @@ Shots take(const Rig& rig, const Pattern& pattern, const Surface& surface,
             camera.ambient + (lit ? camera.gain * light_of(pattern, k, pixel[axis]) : 0.0);
         value = std::pow(std::min(value, 1.0), camera.gamma);
         if (camera.noise) {
-          const double electrons = value * kFullWell;
-          value += std::sqrt(electrons + kReadNoise * kReadNoise) / kFullWell * normal(generator);
+          const double electrons = value * kShotFullWell;
+          value += std::sqrt(electrons + kShotReadNoise * kShotReadNoise) / kShotFullWell *
+                   normal(generator);
         }
         shots.images[k].at<ushort>(v, u) =
             static_cast<ushort>(std::lround(65535 * std::clamp(value, 0.0, 1.0)));
@@ -145,17 +146,18 @@ TEST(Multishot, MeasuresStillSurfacesExactlyForAnyNumberOfStepsAndEitherAxis) {
 
 TEST(Multishot, ReachesTheCramerRaoBoundAndKnowsItsErrors) {
   const Rig rig = small_rig(false);
-  constexpr double kDistance = 700;
+  constexpr double kFarAway = 700;
   for (const int steps : {3, 4, 6, 12}) {
     Pattern pattern = shots(rig, Axis::y, 30, steps);
     const ShotCamera camera{.noise = true};
-    const Shots seen = take(rig, pattern, plane({0, 0, 1}, kDistance), camera);
+    const Shots seen = take(rig, pattern, plane({0, 0, 1}, kFarAway), camera);
     const MultishotResult result = MultishotDecoder(rig, pattern).decode(seen.images);
     // Parallel axes: dz / dpixel = z^2 / (f t) up to the projector's offset along z.
     const Eigen::Vector3d t = rig.T_projector_camera.translation();
-    const double forward = kDistance + t.z();
+    const double forward = kFarAway + t.z();
     const double value = camera.ambient + camera.gain * pattern.mean;
-    const double variance = (value * kFullWell + kReadNoise * kReadNoise) / (kFullWell * kFullWell);
+    const double variance =
+        (value * kShotFullWell + kShotReadNoise * kShotReadNoise) / (kShotFullWell * kShotFullWell);
     const double sigma_phase = std::sqrt(2 * variance / steps) / (camera.gain * pattern.amplitude);
     double sum = 0;
     long count = 0;
@@ -164,7 +166,7 @@ TEST(Multishot, ReachesTheCramerRaoBoundAndKnowsItsErrors) {
       const double phase_per_mm = 2 * std::numbers::pi / pattern.period * rig.projector.fy *
                                   std::abs(ray * t.z() - t.y()) / (forward * forward);
       for (int u = 0; u < rig.camera.width; ++u) {
-        const auto error = static_cast<double>(result.decoded.range.z(v, u)) - kDistance;
+        const auto error = static_cast<double>(result.decoded.range.z(v, u)) - kFarAway;
         if (std::isnan(error)) continue;
         sum += std::pow(error * phase_per_mm / sigma_phase, 2);
         ++count;

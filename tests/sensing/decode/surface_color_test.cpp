@@ -16,8 +16,8 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kAmbient = 0.02;
-constexpr double kReflectance = 0.8;
+constexpr double kColorAmbient = 0.02;
+constexpr double kColorReflectance = 0.8;
 
 /// The upper half of the camera of `make_rig`.
 Rig low_rig() {
@@ -44,13 +44,13 @@ Painted painted(const cv::Mat& paint, bool stripes, Axis axis = Axis::y) {
     scene.pattern.stripe_edges.clear();
   }
   const Scene seen =
-      render(scene.rig, scene.pattern, plane({0.1, 0.1, 1}, 720), kAmbient, kReflectance);
+      render(scene.rig, scene.pattern, plane({0.1, 0.1, 1}, 720), kColorAmbient, kColorReflectance);
   seen.frame.convertTo(scene.frame, CV_32F);
   cv::multiply(scene.frame, paint, scene.frame);
   cv::GaussianBlur(scene.frame, scene.frame, {}, 0.8);
   scene.frame.convertTo(scene.frame, CV_16U);
   cv::GaussianBlur(paint, scene.truth, {}, 0.8);
-  scene.truth *= kAmbient + kReflectance * scene.pattern.mean;
+  scene.truth *= kColorAmbient + kColorReflectance * scene.pattern.mean;
   scene.range = {.z = seen.z, .camera = scene.rig.camera};
   // Beyond the panel there is no depth.
   for (int v = 0; v < paint.rows; ++v) {

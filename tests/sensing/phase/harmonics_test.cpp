@@ -61,7 +61,7 @@ cv::Mat picture(const std::function<double(double)>& curve, const Look& look = {
   return image;
 }
 
-const auto linear = [](double level) { return level; };
+const auto linear_response = [](double level) { return level; };
 const auto gamma22 = [](double level) { return std::pow(level, 2.2); };
 
 TEST(Harmonics, AreThoseOfTheFourierIntegral) {
@@ -80,13 +80,14 @@ TEST(Harmonics, AreThoseOfTheFourierIntegral) {
 TEST(Harmonics, ChangingFrequencyHidesNothing) {
   const HarmonicCheck check = check_harmonics(picture(gamma22, {.bend = 0.25}));
   EXPECT_NEAR(check.second.value().ratio, fourier_ratio(gamma22, 2), 0.01);
-  EXPECT_NEAR(check_harmonics(picture(linear, {.bend = 0.25})).second.value().ratio, 0, 0.005);
+  EXPECT_NEAR(check_harmonics(picture(linear_response, {.bend = 0.25})).second.value().ratio, 0,
+              0.005);
 }
 
 TEST(Harmonics, NoiseTextureAndSlopesAreNone) {
   for (const Look& look :
        {Look{}, Look{.noise = 0.05}, Look{.noise = 0.01, .bend = 0.2, .texture = 0.08}}) {
-    const HarmonicCheck check = check_harmonics(picture(linear, look));
+    const HarmonicCheck check = check_harmonics(picture(linear_response, look));
     EXPECT_FALSE(check.distorted) << look.noise;
     EXPECT_LT(std::abs(check.second.value().ratio), 0.01);
     EXPECT_LT(std::abs(check.second.value().ratio), 4 * check.second.value().deviation + 0.002);
@@ -125,7 +126,8 @@ cv::Mat mosaic_picture(double period, double left, const std::function<double(do
 TEST(Harmonics, WhatAColourMosaicLeavesIsNone) {
   constexpr double kLeft = 0.1;
   for (const double period : {5.2, 6.8, 7.2, 7.9, 8.0, 8.1, 9.0, 12.0})
-    EXPECT_FALSE(check_harmonics(mosaic_picture(period, kLeft, linear)).distorted) << period;
+    EXPECT_FALSE(check_harmonics(mosaic_picture(period, kLeft, linear_response)).distorted)
+        << period;
 }
 
 TEST(Harmonics, AreUnknownWhereAColourMosaicFeignsThem) {
@@ -227,8 +229,9 @@ TEST(Harmonics, RefuseWhatShowsNoSinusoid) {
   EXPECT_THROW((void)check_harmonics(noise), InvalidInput);
   EXPECT_THROW((void)check_harmonics(cv::Mat(200, 200, CV_32F)), InvalidInput);
   EXPECT_THROW((void)check_harmonics({}), InvalidInput);
-  EXPECT_THROW((void)check_harmonics(picture(linear), {.max_ratio = 0}), InvalidInput);
-  EXPECT_THROW((void)check_harmonics(picture(linear), {.max_misfit = std::nan("")}), InvalidInput);
+  EXPECT_THROW((void)check_harmonics(picture(linear_response), {.max_ratio = 0}), InvalidInput);
+  EXPECT_THROW((void)check_harmonics(picture(linear_response), {.max_misfit = std::nan("")}),
+               InvalidInput);
   EXPECT_THROW((void)check_harmonics(picture([](double) { return 2.0; })), InvalidInput);
 }
 

@@ -32,7 +32,7 @@ Rig awkward_rig() {
   return rig;
 }
 
-void expect_same_camera(const geometry::Camera& a, const geometry::Camera& b) {
+void expect_same_lens(const geometry::Camera& a, const geometry::Camera& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
   EXPECT_EQ(a.fx, b.fx);
@@ -57,8 +57,8 @@ TEST(Rig, SurvivesWritingAndReadingExactly) {
   const Rig rig = awkward_rig();
   write_rig(folder / "rig.yaml", rig);
   const Rig again = read_rig(folder / "rig.yaml");
-  expect_same_camera(rig.camera, again.camera);
-  expect_same_camera(rig.projector, again.projector);
+  expect_same_lens(rig.camera, again.camera);
+  expect_same_lens(rig.projector, again.projector);
   EXPECT_EQ(rig.T_projector_camera.matrix(), again.T_projector_camera.matrix());
   EXPECT_EQ(rig.red.alpha, again.red.alpha);
   EXPECT_EQ(rig.red.gamma, again.red.gamma);
