@@ -99,7 +99,7 @@ FlatTriangles flat_triangles(const TriangleMesh& mesh) {
     };
     const Eigen::Vector3d edge = corner(1) - corner(0);
     FlatHalfEdge& half_edge = flat.half_edges[static_cast<size_t>(h)];
-    half_edge.length = edge.stableNorm();
+    half_edge.length = std::hypot(edge.x(), edge.y(), edge.z());
     half_edge.left = direction_above(edge, corner(2) - corner(0));
     half_edge.right = direction_above(-edge, corner(2) - corner(1));
     half_edge.opposite = opposite(k, h / 3);

@@ -31,7 +31,7 @@ Eigen::Vector3d released(const Eigen::Vector3d& last, const Eigen::Vector3d& wan
 }
 
 Eigen::Vector3d shortened(const Eigen::Vector3d& vector, double longest) noexcept {
-  const double length = vector.stableNorm();
+  const double length = std::hypot(vector.x(), vector.y(), vector.z());
   return length > longest ? Eigen::Vector3d(vector * (longest / length)) : vector;
 }
 

@@ -31,13 +31,17 @@ int places_of(const Eigen::Vector3d& slope) {
 
 }  // namespace
 
+double length_of(const Eigen::Vector3d& slope) {
+  return std::hypot(slope.x(), slope.y(), slope.z());
+}
+
 StoredRidge to_stored(const Multiquadric& ridge) {
   return {ridge.weight * ridge.epsilon, ridge.ridge.dot(ridge.center) / ridge.epsilon,
           ridge.ridge / ridge.epsilon};
 }
 
 Multiquadric to_ridge(const StoredRidge& stored) {
-  const double norm = stored.slope.stableNorm();
+  const double norm = length_of(stored.slope);
   const Eigen::Vector3d along = stored.slope / norm;
   return {stored.weight * norm, 1 / norm, stored.offset / norm * along, along};
 }

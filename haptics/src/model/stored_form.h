@@ -20,6 +20,9 @@ struct StoredRidge {
   Eigen::Vector3d slope = Eigen::Vector3d::Zero();
 };
 
+/// The length of a slope, without overflow. `stableNorm` of Eigen rounds differently where a vector
+/// begins at an odd multiple of 8 bytes.
+[[nodiscard]] double length_of(const Eigen::Vector3d& slope);
 /// Converts a base that is a ridge.
 [[nodiscard]] StoredRidge to_stored(const Multiquadric& ridge);
 /// The centre of the result lies along the ridge. The slope must not be zero.
