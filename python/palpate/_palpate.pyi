@@ -598,6 +598,9 @@ def decode_multishot(
     pattern: Pattern,
     *,
     exposures: int = ...,
+    min_signal: float = ...,
+    max_phase_variance: float = ...,
+    max_sensitivity: float = ...,
 ) -> MultishotResult: ...
 
 class Body(metaclass=_Class):

@@ -272,25 +272,32 @@ From 0.02 on the images do not show one still scene under one steady light.)")
           R"(Jumps of the phase by whole turns between neighbours, per turn that it runs on.
 
 From 0.02 on the images of the code are not those of the pattern, in its order.)");
+  sensing::MultishotOptions usual;
+  const std::string doc = described(
+      "decode_multishot(images: Sequence, rig: Rig, pattern: Pattern, *", "MultishotResult",
+      R"(Decodes several images of a static scene into one range map.
+
+images: in the order of the pattern (`palpate pattern --multishot`): shifted sinusoids, then the
+code, one exposure after the other; uint8 or uint16, linear in the light.
+Raises InvalidInput. Ctrl-C is not heard: it takes about a second.)",
+      fields_of(usual));
+  py::options own;
+  own.disable_function_signatures();
   module.def(
       "decode_multishot",
       [](const std::vector<py::object>& images, const Rig& rig, const Pattern& pattern,
-         int exposures) {
+         const py::kwargs& keywords) {
+        sensing::MultishotOptions options;
+        set_fields(fields_of(options), keywords);
         std::vector<Frame> frames;
         frames.reserve(images.size());
         for (const py::object& image : images) frames.emplace_back(image);
         std::vector<cv::Mat> pixels;
         for (const Frame& frame : frames) pixels.push_back(frame.mat());
         const Unlocked unlocked;
-        return sensing::MultishotDecoder(rig, pattern, {.exposures = exposures}).decode(pixels);
+        return sensing::MultishotDecoder(rig, pattern, options).decode(pixels);
       },
-      arg("images"), arg("rig"), arg("pattern"), kw_only(), arg("exposures") = 1,
-      R"(Decodes several images of a static scene into one range map.
-
-images: in the order of the pattern (`palpate pattern --multishot`): shifted sinusoids, then the
-code, one exposure after the other; uint8 or uint16, linear in the light.
-exposures: how often these images follow each other, each time with another exposure.
-Raises InvalidInput. Ctrl-C is not heard: it takes about a second.)");
+      arg("images"), arg("rig"), arg("pattern"), doc.c_str());
 }
 
 }  // namespace

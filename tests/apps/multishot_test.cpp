@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "palpate/geometry/mesh_io.h"
@@ -141,6 +142,20 @@ TEST_F(MultishotCommands, MeasureAStillSceneWithARigSideBySide) {
   ASSERT_TRUE(of_vertices);
   EXPECT_EQ(of_vertices->size(), mesh.mesh.vertices.cols());
   EXPECT_NEAR(of_vertices->maxCoeff(), red->maxCoeff(), 10);
+}
+
+TEST_F(MultishotCommands, TakeTheOptionsOfSingleFramesThatMeanTheSame) {
+  take("frames", 500);
+  // The card reflects at most 0.8 of the light, so that no pixel reaches 0.9 of full scale.
+  for (const auto& [least, is_seen] : {std::pair("0.01", true), {"0.9", false}}) {
+    const CommandResult done = decode({"frames"}, {"--multishot", "--min-signal", least});
+    ASSERT_EQ(done.status, kDone) << done.err;
+    const geometry::ImageF z = geometry::read_depth_tiff(scratch / "range/000000.tiff");
+    EXPECT_EQ((z > 0).any(), is_seen) << least;
+  }
+  const CommandResult refused = decode({"frames"}, {"--multishot", "--window-periods", "3"});
+  EXPECT_EQ(refused.status, kWrongCall);
+  EXPECT_THAT(refused.err, HasSubstr("excludes --window-periods"));
 }
 
 TEST_F(MultishotCommands, SayWhatIsWrongWithTheImages) {

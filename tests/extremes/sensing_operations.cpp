@@ -4,7 +4,9 @@
 
 #include "operations.h"
 #include "palpate/sensing/decode.h"
+#include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern_design.h"
+#include "palpate/sensing/pattern_image.h"
 #include "palpate/sensing/virtual_sensor.h"
 
 namespace palpate::extremes {
@@ -26,6 +28,46 @@ Results decoding(const Input& input, const Change& change) {
           number("transitions", found.transitions), number("regions", found.regions)};
 }
 
+/// A rig of fewer pixels.
+Rig small_rig(const Input& input) {
+  Rig rig = input.rig;
+  rig.camera.width /= 16;
+  rig.camera.height /= 16;
+  for (double* pixels : {&rig.camera.fx, &rig.camera.fy, &rig.camera.cx, &rig.camera.cy})
+    *pixels /= 16;
+  return rig;
+}
+
+/// A ball of 3 times the size in front of the camera.
+Body ball_in_view(const Input& input) {
+  Body body;
+  body.mesh = input.ball;
+  body.mesh.vertices =
+      (3 * input.ball.vertices).colwise() + Eigen::Vector3d(0, 0, 800 * input.length);
+  return body;
+}
+
+Results several_images(const Input& input, const Change& change) {
+  MultishotOptions options;
+  change(fields_of(options));
+  const Rig rig = small_rig(input);
+  constexpr double kPeriod = 160;  // [px]: 10 in the camera
+  const Pattern pattern =
+      multishot_pattern({.period = kPeriod}, 4, {rig.projector.width, rig.projector.height});
+  const MultishotDecoder decoder(rig, pattern, options);
+  const std::array bodies = {ball_in_view(input)};
+  const std::vector<cv::Mat> panels =
+      draw_multishot(pattern, rig.projector.width, rig.projector.height);
+  const std::vector<cv::Mat> frames =
+      simulate(rig, bodies, panels, VirtualSensor{.exposure_steps = 1}).frames;
+  std::vector<cv::Mat> images;
+  while (static_cast<int>(images.size()) < decoder.images())
+    images.insert(images.end(), frames.begin(), frames.end());
+  const MultishotResult found = decoder.decode(images);
+  return {unknown_allowed(numbers("depths", values_of(found.decoded.range.z), kLength)),
+          unknown_allowed(numbers("sigma", values_of(found.decoded.sigma), kLength))};
+}
+
 Results design(const Input& input, const Change& change) {
   PatternOptions options{.range = WorkingRange{600 * input.length, 1200 * input.length}};
   change(fields_of(options));
@@ -35,19 +77,11 @@ Results design(const Input& input, const Change& change) {
 }
 
 Results simulation(const Input& input, const Change& change) {
-  Body body;
-  body.mesh = input.ball;
-  body.mesh.vertices =
-      (3 * input.ball.vertices).colwise() + Eigen::Vector3d(0, 0, 800 * input.length);
-  Rig rig = input.rig;  // of fewer pixels
-  rig.camera.width /= 16;
-  rig.camera.height /= 16;
-  for (double* pixels : {&rig.camera.fx, &rig.camera.fy, &rig.camera.cx, &rig.camera.cy})
-    *pixels /= 16;
+  const Rig rig = small_rig(input);
   VirtualSensor sensor;
   sensor.exposure_steps = 1;
   change(fields_of(sensor));
-  const std::array bodies = {body};
+  const std::array bodies = {ball_in_view(input)};
   const std::array panels = {
       cv::Mat(rig.projector.height, rig.projector.width, CV_8UC3, cv::Scalar(200, 150, 100))};
   const Simulation seen = simulate(rig, bodies, panels, sensor);
@@ -60,6 +94,7 @@ Results simulation(const Input& input, const Change& change) {
 std::vector<Operation> sensing_operations() {
   return {
       {"Decoder::decode", kOptions | kFrame, decoding, 0, 0, 3},
+      {"MultishotDecoder::decode", kOptions, several_images, 0, 0, 3},
       {"design_pattern", kOptions | kFrame, design},
       {"simulate", kOptions | kFrame, simulation, 1e-6, 0, 3},
   };

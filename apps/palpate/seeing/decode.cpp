@@ -4,10 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "palpate/core/error.h"
@@ -120,13 +123,32 @@ Json settings_of(const DecodeCall& call) {
                           .options = call.options});
 }
 
+/// Gives options of single frames to the decoder of several images, which has three of them.
+void share_options(const std::vector<CLI::Option*>& given, DecodeCall& call) {
+  for (const CLI::Option* option : given) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_name();
+    if (name == "--min-signal") {
+      call.multishot_options.min_signal = call.options.min_signal;
+    } else if (name == "--max-phase-variance") {
+      call.multishot_options.max_phase_variance = call.options.max_phase_variance;
+    } else if (name == "--max-sensitivity") {
+      call.multishot_options.max_sensitivity = call.options.max_sensitivity;
+    } else {
+      throw InvalidInput("--multishot: excludes " + name +
+                         ", which is for single frames; leave one of them out");
+    }
+  }
+}
+
 /// Several images of a still scene give one range map.
 void decode_scenes(const Settings& settings, const DecodeCall& call, sensing::FrameSource& source,
                    const sensing::Rig& rig, const sensing::Pattern& pattern) {
   Json record_settings = settings_of(call);
   record_settings["--multishot"] = true;
-  record_settings["--exposures"] = call.exposures;
-  const sensing::MultishotDecoder decoder(rig, pattern, {.exposures = call.exposures});
+  sensing::MultishotOptions options = call.multishot_options;
+  record_settings.update(option_values(fields_of(options)));
+  const sensing::MultishotDecoder decoder(rig, pattern, options);
   decode_multishot(settings, {.decoder = decoder,
                               .source = source,
                               .linearizer = call.linearizer ? &*call.linearizer : nullptr,
@@ -262,11 +284,8 @@ void add_decode(CLI::App& app, const Settings& settings) {
   CLI::Option* shard = add_shard_option(*command, call->shard);
   for (CLI::Option* other : {colors, bits, resume, force, shard}) multishot->excludes(other);
   for (CLI::Option* other : {resume, force}) shard->excludes(other);
-  add_number(*command, "--exposures", call->exposures, at_least(1),
-             "With --multishot: how often the images of a scene follow each other, each time "
-             "with another exposure of the camera; a pixel uses those in which it is not "
-             "clipped")
-      ->needs(multishot);
+  constexpr std::array<std::string_view, 1> kExposures{"exposures"};
+  add_fields(*command, fields_of(call->multishot_options), kExposures).front()->needs(multishot);
   command->footer(
       "Frames are numbered from 0 in the order of their file names, in which numbers count as "
       "numbers: the range map of the first frame is 000000.tiff. frames.csv lists which frame "
@@ -287,12 +306,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "
       "colors.yaml -o range/ --sigma --reasons --resume");
   command->callback([call, command, decoding, &settings] {
-    for (const CLI::Option* option : decoding) {
-      if (call->multishot && option->count() > 0) {
-        throw InvalidInput("--multishot: excludes " + option->get_name() +
-                           ", which is for single frames; leave one of them out");
-      }
-    }
+    if (call->multishot) share_options(decoding, *call);
     decode(settings, *command, *call);
   });
 }

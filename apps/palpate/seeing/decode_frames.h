@@ -10,6 +10,7 @@
 
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/frame_source.h"
+#include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "seeing/decode_outputs.h"
@@ -33,7 +34,7 @@ struct DecodeCall {
   bool force = false;      ///< accept frames that do not fit
   sensing::Pattern shown;  ///< read from `pattern`
   bool multishot = false;
-  int exposures = 1;  ///< of `multishot`
+  sensing::MultishotOptions multishot_options;
 };
 
 /// The source of frames, and functions to call besides decoding. `next` and `finished` are each

@@ -16,7 +16,6 @@
 #include "image/hue.h"
 #include "image/reasons.h"
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "phase/shifted_noise.h"
 #include "phase/shifted_phase.h"
 
@@ -189,6 +188,26 @@ Demodulated without_carrier(const ShiftedChannel& channel, const Carrier& carrie
 
 }  // namespace
 
+void visit(MultishotOptions& options, FieldVisitor& visitor) {
+  constexpr int kMostExposures = 100;
+  visitor.begin("MultishotOptions");
+  visitor.whole({"exposures",
+                 "Number of times that the images of the pattern follow each other, each time with "
+                 "another exposure of the camera; a pixel uses those in which it is not clipped"},
+                options.exposures, at_least(1).at_most(kMostExposures));
+  constexpr bool kExpert = true;
+  visitor.real({"min_signal", "Least light of the projector at which a pixel counts as lit",
+                "fraction of full scale", kExpert},
+               options.min_signal, above(0).below(1));
+  visitor.real({"max_phase_variance", "Largest predicted variance of a phase that is used", "rad^2",
+                kExpert},
+               options.max_phase_variance, above(0).finite());
+  visitor.real(
+      {"max_sensitivity", "Largest change of a depth with the phase, as a share of the depth",
+       "1/rad", kExpert},
+      options.max_sensitivity, above(0).finite());
+}
+
 struct MultishotDecoder::Impl {
   Impl(const Rig& rig, const Pattern& pattern, const MultishotOptions& the_options);
 
@@ -227,17 +246,12 @@ const Pattern& with_multishot(const Pattern& pattern) {
 
 MultishotDecoder::Impl::Impl(const Rig& rig, const Pattern& pattern,
                              const MultishotOptions& the_options)
-    : options(the_options),
+    : options(in_range(the_options)),
       model(rig, with_multishot(pattern)),
       code(pattern),
       fit(make_shift_fit(pattern.multishot->shifts)),
       images_per_exposure(pattern.multishot->shifts.size() +
                           static_cast<std::size_t>(pattern.multishot->code_bits)) {
-  require("MultishotOptions::exposures", options.exposures, at_least(1).at_most(100));
-  require("MultishotOptions::min_signal", options.min_signal, above(0).below(1));
-  require("MultishotOptions::max_phase_variance", options.max_phase_variance, above(0).finite(),
-          "rad^2");
-  require("MultishotOptions::max_sensitivity", options.max_sensitivity, above(0).finite());
   check_pattern_fits(pattern, rig.projector, "pattern");
 }
 

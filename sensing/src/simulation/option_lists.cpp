@@ -3,6 +3,7 @@
 #include "palpate/sensing/option_lists.h"
 
 #include "palpate/sensing/decode.h"
+#include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern_design.h"
 #include "palpate/sensing/virtual_sensor.h"
 
@@ -13,6 +14,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(pattern, visitor);
   DecodeOptions decode;
   visit(decode, visitor);
+  MultishotOptions multishot;
+  visit(multishot, visitor);
   VirtualSensor sensor;
   visit(sensor, visitor);
 }

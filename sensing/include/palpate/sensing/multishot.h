@@ -6,23 +6,22 @@
 #include <opencv2/core/mat.hpp>
 #include <span>
 
+#include "palpate/core/fields.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 
 namespace palpate::sensing {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct MultishotOptions {
-  /// Number of times that the images of the pattern are shown, each time with another exposure of
-  /// the camera; in [1, 100]. A pixel uses the exposures in which it is nowhere clipped.
   int exposures = 1;
-  /// A pixel is lit if the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.01;
-  /// Its phase is used if its predicted variance <= max_phase_variance [rad^2]; > 0.
   double max_phase_variance = 0.01;
-  /// A depth is kept if |dz / dphase| <= max_sensitivity * z per rad; > 0.
   double max_sensitivity = 0.1;
 };
+
+void visit(MultishotOptions& options, FieldVisitor& visitor);
 
 /// Depths of a still scene, and figures that show whether it was still.
 struct MultishotResult {
