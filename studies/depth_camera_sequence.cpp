@@ -111,7 +111,7 @@ class Texture {
       const double angle = std::numbers::pi * (i + uniform(random)) / kWaves;
       const double length = 10 * std::pow(4, uniform(random));
       waves_.push_back({kTwoPi / length * Vector2d(std::cos(angle), std::sin(angle)),
-                        kTwoPi * Vector3d(uniform(random), uniform(random), uniform(random))});
+                        kTwoPi * Vector3d{uniform(random), uniform(random), uniform(random)}});
     }
     amplitude_ = rms * std::sqrt(2.0 / kWaves);
   }

@@ -60,10 +60,10 @@ inline PressPlace press_place(const TouchedObject& object, std::mt19937& random)
   while (true) {
     const auto at = object.query.closest_point(
         object.some_vertex(random) +
-        Eigen::Vector3d(uniform(random), uniform(random), uniform(random)));
+        Eigen::Vector3d{uniform(random), uniform(random), uniform(random)});
     if (object.to_border(at.position) < least) continue;
     PressPlace place{at.position, object.normal(at.at.triangle), {}};
-    const Eigen::Vector3d any(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d any{uniform(random), uniform(random), uniform(random)};
     place.along = (any - any.dot(place.normal) * place.normal).normalized();
     return place;
   }

@@ -149,7 +149,7 @@ void write_poses(const ScratchFolder& scratch, int count) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::string text = "range_map,x,y,z\n";
   for (int i = 0; i < count; ++i) {
-    const Vector3d centre(55 * uniform(random), 35 * uniform(random), 700 + 60 * uniform(random));
+    const Vector3d centre{55 * uniform(random), 35 * uniform(random), 700 + 60 * uniform(random)};
     const std::string name = "range/" + std::to_string(i) + ".tiff";
     write_range_map(scratch / name, centre, static_cast<unsigned>(i));
     const Vector3d tip = place_of_arm().inverse() * centre;

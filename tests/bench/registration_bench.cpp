@@ -46,13 +46,13 @@ Scan make_scan(const TriangleMesh& mesh, int count, double noise, double degrees
   std::normal_distribution<double> normal;
   Scan scan{.truth = Matrix3Xd(3, count), .points = {}};
   for (auto point : scan.truth.colwise()) {
-    const Vector3d weights(uniform(random), uniform(random), uniform(random));
+    const Vector3d weights{uniform(random), uniform(random), uniform(random)};
     point = position(mesh, {.triangle = any(random), .barycentric = weights / weights.sum()});
     for (double& x : point) x += noise * (2 * uniform(random) - 1);
   }
   const Vector3d centre = scan.truth.rowwise().mean();
-  const Vector3d axis(normal(random), normal(random), normal(random));
-  const Vector3d way(normal(random), normal(random), normal(random));
+  const Vector3d axis{normal(random), normal(random), normal(random)};
+  const Vector3d way{normal(random), normal(random), normal(random)};
   const Isometry3d motion = Eigen::Translation3d(centre + shift * way.normalized()) *
                             Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()) *
                             Eigen::Translation3d(-centre);

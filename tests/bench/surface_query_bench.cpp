@@ -42,7 +42,7 @@ std::vector<Line> make_lines(const TriangleMesh& mesh, bool coherent) {
   std::uniform_real_distribution<double> uniform(-0.5, 1.5);
   const auto anywhere = [&] {
     return Vector3d(lower +
-                    Vector3d(uniform(random), uniform(random), uniform(random)).cwiseProduct(size));
+                    Vector3d{uniform(random), uniform(random), uniform(random)}.cwiseProduct(size));
   };
   const auto side = static_cast<int>(std::sqrt(kQueries));
   const Vector3d eye = lower + Vector3d(0.4, 0.6, -5).cwiseProduct(size);
@@ -70,7 +70,7 @@ std::vector<Vector3d> make_points(const TriangleMesh& mesh, bool coherent) {
   for (int i = 0; i < kQueries; ++i) {
     const auto t = static_cast<int>(mesh.triangles.cols() * i / kQueries);
     points.push_back(position(mesh, {.triangle = t, .barycentric = {0.2, 0.5, 0.3}}) +
-                     Vector3d(normal(random), normal(random), normal(random)));
+                     Vector3d{normal(random), normal(random), normal(random)});
   }
   return points;
 }

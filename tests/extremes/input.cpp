@@ -69,7 +69,7 @@ Eigen::Matrix3Xd points_near(const TriangleMesh& mesh, Eigen::Index count, doubl
     const double root = std::sqrt(unit(random)), share = unit(random);
     const Vector3d weights(1 - root, root * (1 - share), root * share);
     const Eigen::Matrix3d corners = mesh.vertices(Eigen::all, mesh.triangles.col(triangle));
-    point = corners * weights + Vector3d(normal(random), normal(random), normal(random));
+    point = corners * weights + Vector3d{normal(random), normal(random), normal(random)};
   }
   snap(points);
   return points;
@@ -202,7 +202,7 @@ Input make_input(int columns, int rows, int levels, int directions) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (Eigen::Index i = 0; i < 36; ++i) {
-    Vector3d displacement(uniform(random), uniform(random), 2 + 2 * uniform(random));
+    Vector3d displacement{uniform(random), uniform(random), 2 + 2 * uniform(random)};
     snap(displacement);
     input.displacements.col(i) = displacement;
     input.forces.col(i) = haptics::force(field, displacement);

@@ -27,7 +27,7 @@ inline Eigen::Matrix3Xd random_points(Eigen::Index count, double radius, unsigne
   std::uniform_real_distribution<double> uniform(-1, 1);
   Eigen::Matrix3Xd points(3, count);
   for (Eigen::Index i = 0; i < count;) {
-    const Eigen::Vector3d point(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d point{uniform(random), uniform(random), uniform(random)};
     if (point.norm() <= 1) points.col(i++) = radius * point;
   }
   return points;

@@ -135,7 +135,7 @@ class ObjectProbe {
   }
 
   Eigen::Vector3d noise(double deviation) {
-    return deviation * Eigen::Vector3d(normal_(random_), normal_(random_), normal_(random_));
+    return deviation * Eigen::Vector3d{normal_(random_), normal_(random_), normal_(random_)};
   }
 
   void add(probing::Acquisition& acquisition, const probing::Contact& contact, double x, double y,

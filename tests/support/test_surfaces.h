@@ -114,9 +114,9 @@ inline TriangleMesh random_triangles(int count, double size, unsigned seed) {
   mesh.vertices.resize(3, 3 * count);
   mesh.triangles.resize(3, count);
   for (int t = 0; t < count; ++t) {
-    const Eigen::Vector3d centre(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d centre{uniform(random), uniform(random), uniform(random)};
     for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d corner(uniform(random), uniform(random), uniform(random));
+      const Eigen::Vector3d corner{uniform(random), uniform(random), uniform(random)};
       mesh.vertices.col(3 * t + k) = centre + 0.2 * corner;
     }
     mesh.triangles.col(t) << 3 * t, 3 * t + 1, 3 * t + 2;

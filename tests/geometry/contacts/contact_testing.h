@@ -46,7 +46,7 @@ inline std::vector<Eigen::Vector3d> jittered_grid(int cols, int rows, double spa
   std::vector<Eigen::Vector3d> points;
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < cols; ++c) {
-      points.emplace_back((c + 1) * spacing + shift(random), (r + 1) * spacing + shift(random), 0);
+      points.push_back({(c + 1) * spacing + shift(random), (r + 1) * spacing + shift(random), 0});
     }
   }
   return points;

@@ -89,7 +89,7 @@ TEST(ExactGeodesicDistance, OnNeedlesInAnyPositionIsTheStraightOne) {
     TriangleMesh sheet = test::flat_sheet(30, 20, 1);
     sheet.vertices.row(0) *= 1e5;
     const Eigen::Isometry3d turn(
-        Eigen::AngleAxisd(6 * any(random), Vector3d(any(random), any(random), 1).normalized()));
+        Eigen::AngleAxisd(6 * any(random), Vector3d{any(random), any(random), 1}.normalized()));
     sheet = test::moved(sheet, turn);
     const SurfacePoint source{.triangle = 100 * i, .barycentric = {0.2, 0.3, 0.5}};
     EXPECT_LT(
@@ -111,7 +111,7 @@ TEST(ExactGeodesicDistance, OnNeedlesAndCapsOfHardlyAnyWidthIsTheStraightOne) {
         if (!caps && col % 3 == 1) sheet.vertices(0, v) -= 1 - width;
       }
       const Eigen::Isometry3d turn(
-          Eigen::AngleAxisd(6 * any(random), Vector3d(any(random), any(random), 1).normalized()));
+          Eigen::AngleAxisd(6 * any(random), Vector3d{any(random), any(random), 1}.normalized()));
       for (const TriangleMesh& mesh : {sheet, test::moved(sheet, turn)}) {
         const SurfacePoint source{.triangle = 555, .barycentric = {0.2, 0.3, 0.5}};
         const Eigen::VectorXd truth = straight_distances(mesh, source);

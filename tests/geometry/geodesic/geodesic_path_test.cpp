@@ -375,7 +375,7 @@ TEST(ShortestPaths, OnNeedlesAreTheStraightLine) {
     sheet.vertices.row(0) *= 1e5;
     sheet = test::moved(sheet,
                         Eigen::Isometry3d(Eigen::AngleAxisd(
-                            6 * any(random), Vector3d(any(random), any(random), 1).normalized())));
+                            6 * any(random), Vector3d{any(random), any(random), 1}.normalized())));
     for (const SurfacePoint& to : any_places(sheet, 12, 40)) {
       const auto path = one_path(sheet, {100 * i, {0.2, 0.3, 0.5}}, to);
       ASSERT_TRUE(path);

@@ -23,9 +23,9 @@ TriangleMesh triangles_in_a_grid(int count, unsigned seed) {
   std::uniform_int_distribution<int> place(0, 25), size(-3, 3);
   std::vector<Eigen::Vector3i> corners;
   while (std::ssize(corners) < 3 * count) {
-    const Eigen::Vector3i a(place(random), place(random), place(random) / 3);
+    const Eigen::Vector3i a{place(random), place(random), place(random) / 3};
     const auto near = [&] {
-      return Eigen::Vector3i(a.x() + size(random), a.y() + size(random), a.z() + size(random) / 2);
+      return Eigen::Vector3i{a.x() + size(random), a.y() + size(random), a.z() + size(random) / 2};
     };
     const Eigen::Vector3i b = near(), c = near();
     const auto is_new = [&](const Eigen::Vector3i& p) {

@@ -26,7 +26,7 @@ std::vector<Vector3d> random_places(int count, double size, unsigned seed) {
   std::uniform_real_distribution<double> uniform(-size, size);
   std::vector<Vector3d> points;
   for (int i = 0; i < count; ++i) {
-    points.emplace_back(uniform(random), uniform(random), uniform(random));
+    points.push_back({uniform(random), uniform(random), uniform(random)});
   }
   return points;
 }

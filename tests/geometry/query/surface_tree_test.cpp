@@ -59,7 +59,7 @@ TEST(SurfaceTree, FindsTheTwoNearestTrianglesWhateverTheTreeAndTheGuess) {
       std::uniform_real_distribution<double> uniform(-1.2, 1.2);
       int guess = -1;
       for (int i = 0; i < 50; ++i) {
-        const Vector3d point(uniform(random), uniform(random), uniform(random) / 4);
+        const Vector3d point{uniform(random), uniform(random), uniform(random) / 4};
         const LoneNearest expected = exhaustive(tree, point);
         const double distance = std::sqrt(expected.nearest.at.squared_distance);
         EXPECT_EQ(tree.nearest(point, kInf).triangle, expected.nearest.triangle);
@@ -85,7 +85,7 @@ TEST(SurfaceTree, FindsTheTwoNearestTrianglesFromFarAway) {
     const SurfaceTree tree(mesh);
     for (const double away : {1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9}) {
       for (int i = 0; i < 12; ++i) {
-        Vector3d direction(normal(random), normal(random), normal(random));
+        Vector3d direction{normal(random), normal(random), normal(random)};
         if (i < 6) direction = (i < 3 ? 1 : -1) * Vector3d::Unit(i % 3);  // straight from before it
         const Vector3d point = away * direction.normalized() + Vector3d(0.03, -0.05, 0.02);
         const LoneNearest expected = exhaustive(tree, point);
@@ -112,7 +112,7 @@ TEST(SurfaceTree, FindsAnExtremeTriangleFromWhereAllDistancesRoundToTheSame) {
   for (const double away : {1e10, 1e12, 1e15, 1e30, 1e150}) {
     for (int i = 0; i < 20; ++i) {
       const Vector3d direction =
-          Vector3d(normal(random), normal(random), normal(random)).normalized();
+          Vector3d{normal(random), normal(random), normal(random)}.normalized();
       const NearestTriangle found = tree.nearest(away * direction, kInf);
       ASSERT_GE(found.triangle, 0);
       EXPECT_NEAR(std::sqrt(found.at.squared_distance), away - radius, sagitta + 1e-15 * away);

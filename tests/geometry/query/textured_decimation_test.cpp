@@ -105,7 +105,7 @@ TEST(TexturedDecimation, ShowsThePictureWhereItWasAndOpensNoSeam) {
     double worst = 0;
     for (int t = 0; t < mesh.triangles.cols(); ++t) {
       for (int i = 0; i < 10; ++i) {
-        Vector3d at(any(random), any(random), any(random));
+        Vector3d at{any(random), any(random), any(random)};
         at /= at.sum();
         const SurfacePoint place{.triangle = t, .barycentric = at};
         worst =

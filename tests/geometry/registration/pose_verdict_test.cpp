@@ -262,8 +262,8 @@ TEST(RegistrationVerdict, KnowsWhatWasNotSearchedIfThePointsStartFartherOffThanT
     const Matrix3Xd truth = points_on(torus, 500, seed);
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
-    const Vector3d axis(normal(random), normal(random), normal(random));
-    const Vector3d way(normal(random), normal(random), normal(random));
+    const Vector3d axis{normal(random), normal(random), normal(random)};
+    const Vector3d way{normal(random), normal(random), normal(random)};
     const Isometry3d off = Eigen::Translation3d(60 * way.normalized()) *
                            Eigen::AngleAxisd(30 * kDegree, axis.normalized());
     const Registration found =
@@ -290,8 +290,8 @@ TEST(RegistrationVerdict, DoubtsAWrongPoseNearAStartThatWasFartherOffThanTold) {
     const Matrix3Xd truth = points_on(torus, 500, seed);
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
-    const Vector3d axis(normal(random) / 3, normal(random) / 3, 1);
-    const Vector3d way(normal(random), normal(random), normal(random));
+    const Vector3d axis{normal(random) / 3, normal(random) / 3, 1};
+    const Vector3d way{normal(random), normal(random), normal(random)};
     const Isometry3d off = Eigen::Translation3d(9 * way.normalized()) *
                            Eigen::AngleAxisd(30 * kDegree, axis.normalized());
     const Registration found =

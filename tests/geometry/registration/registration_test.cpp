@@ -67,8 +67,8 @@ TEST(RegisterPoints, OfContactsOnARangeMapIsRightFromThirtyDegreesAndSixtyMillim
       Matrix3Xd truth = points_on(map, 100, seed);
       if (noise > 0) truth = truth.unaryExpr([&](double x) { return x + error(random); }).eval();
       std::normal_distribution<double> normal;
-      const Vector3d axis(normal(random), normal(random), normal(random));
-      const Vector3d way(normal(random), normal(random), normal(random));
+      const Vector3d axis{normal(random), normal(random), normal(random)};
+      const Vector3d way{normal(random), normal(random), normal(random)};
       const Isometry3d off = Eigen::Translation3d(middle + 60 * way.normalized()) *
                              Eigen::AngleAxisd(30 * kDegree, axis.normalized()) *
                              Eigen::Translation3d(-middle);

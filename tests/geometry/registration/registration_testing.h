@@ -44,7 +44,7 @@ inline Eigen::Matrix3Xd points_on(const TriangleMesh& mesh, int count, unsigned 
   std::uniform_real_distribution<double> uniform(0, 1);
   Eigen::Matrix3Xd points(3, count);
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector3d weights(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d weights{uniform(random), uniform(random), uniform(random)};
     points.col(i) =
         position(mesh, {.triangle = any(random), .barycentric = weights / weights.sum()});
   }
@@ -55,8 +55,8 @@ inline Eigen::Matrix3Xd points_on(const TriangleMesh& mesh, int count, unsigned 
 inline Eigen::Isometry3d random_motion(double angle, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  const Eigen::Vector3d axis(uniform(random), uniform(random), uniform(random));
-  const Eigen::Vector3d shift(uniform(random), uniform(random), uniform(random));
+  const Eigen::Vector3d axis{uniform(random), uniform(random), uniform(random)};
+  const Eigen::Vector3d shift{uniform(random), uniform(random), uniform(random)};
   const Eigen::Vector3d middle(52, 42, 0);
   return Eigen::Translation3d(middle + 15 * shift) * Eigen::AngleAxisd(angle, axis.normalized()) *
          Eigen::Translation3d(-middle);

@@ -82,7 +82,7 @@ TEST(BuildModel, TakesTheNoiseThatItFindsForFrictionToo) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 0.08);
   for (probing::Sample& sample : acquisition.samples)
-    sample.force += Eigen::Vector3d(noise(random), noise(random), noise(random));
+    sample.force += Eigen::Vector3d{noise(random), noise(random), noise(random)};
   const BuildResult found = build_model(acquisition, flat_surface());
   ASSERT_TRUE(found.model.noise);
   const double force_noise = found.model.noise->force;
@@ -106,7 +106,7 @@ TEST(BuildModel, LearnsSmallForcesAsItDoesLargeOnes) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 0.02);
   for (probing::Sample& sample : acquisition.samples)
-    sample.force += Eigen::Vector3d(noise(random), noise(random), noise(random));
+    sample.force += Eigen::Vector3d{noise(random), noise(random), noise(random)};
   const BuildResult large = build_model(acquisition, flat_surface());
   constexpr double kFactor = 1e-3;
   for (probing::Sample& sample : acquisition.samples) sample.force *= kFactor;

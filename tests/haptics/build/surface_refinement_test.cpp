@@ -43,7 +43,7 @@ TEST(RefineSurface, LetsWeightsFollowTheContactsOnASurfaceOfTwoTriangles) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> inside(-3 * kSpacing, 3 * kSpacing);
   for (int i = 0; i < 1000; ++i) {
-    const Vector3d at(inside(random), inside(random), 700);
+    const Vector3d at{inside(random), inside(random), 700};
     const geometry::ContactWeights found = locator.locate(query.closest_point(at).at);
     double sum = 0;
     for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {

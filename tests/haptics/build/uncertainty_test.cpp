@@ -97,7 +97,7 @@ Made object(const Waves& waves, unsigned seed, const MeasurementNoise& noise) {
       samples.displacements.col(j) = Vector3d(0.3 * (j % 3 - 1), 0.2, 0.5 * (j + 1));
       samples.forces.col(j) =
           true_force(stiffness, samples.displacements.col(j)) +
-          noise.force * Vector3d(normal(random), normal(random), normal(random));
+          noise.force * Vector3d{normal(random), normal(random), normal(random)};
     }
     made.samples.push_back(samples);
     made.model.contacts.push_back(contact);

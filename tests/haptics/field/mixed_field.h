@@ -31,7 +31,7 @@ inline ForceField with_changed_numbers(ForceField field, double tolerance, unsig
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (Multiquadric& base : field.bases) {
     const Eigen::Vector3d direction =
-        Eigen::Vector3d(uniform(random), uniform(random), uniform(random)).normalized();
+        Eigen::Vector3d{uniform(random), uniform(random), uniform(random)}.normalized();
     base.center += tolerance * (base.center.norm() + base.epsilon) * direction;
     base.weight *= 1 + tolerance * uniform(random);
     base.epsilon *= 1 + tolerance * uniform(random);

@@ -193,7 +193,7 @@ TEST(FitConvex, FollowsAFoamBetweenTheLevelsOfForce) {
     for (Eigen::Index i = 0; i < forces.cols(); ++i) {
       const Eigen::Vector3d& x = places[static_cast<std::size_t>(i)];
       forces.col(i) = foam_force(x);
-      displacements.col(i) = x + Eigen::Vector3d(noise(random), noise(random), noise(random));
+      displacements.col(i) = x + Eigen::Vector3d{noise(random), noise(random), noise(random)};
     }
     const FitResult fit = fit_force_field(displacements, forces);
     expect_convex(fit);
@@ -218,7 +218,7 @@ TEST(FitConvex, TakesOutliersForWhatTheyAre) {
   std::normal_distribution<double> normal;
   int outliers = 0;
   for (Eigen::Index i = 5; i < samples.forces.cols(); i += 33, ++outliers) {
-    const Eigen::Vector3d off(normal(random), normal(random), normal(random));
+    const Eigen::Vector3d off{normal(random), normal(random), normal(random)};
     samples.displacements.col(i) += off.normalized();
   }
   ASSERT_GE(outliers, 3);

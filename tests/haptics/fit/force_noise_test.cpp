@@ -25,10 +25,10 @@ std::vector<ForceSamples> springs(double noise) {
     pairs.displacements.resize(3, 40);
     pairs.forces.resize(3, 40);
     for (int i = 0; i < 40; ++i) {
-      const Vector3d x(share(random), share(random), 1 + share(random));
+      const Vector3d x{share(random), share(random), 1 + share(random)};
       pairs.displacements.col(i) = x;
       pairs.forces.col(i) = stiffness.cwiseProduct(x) +
-                            noise * Vector3d(normal(random), normal(random), normal(random));
+                            noise * Vector3d{normal(random), normal(random), normal(random)};
     }
     contacts.push_back(pairs);
   }

@@ -42,7 +42,7 @@ std::vector<RateRecord> pressed_records(const std::vector<RateTerm>& terms, doub
           for (std::size_t t = 0; t < terms.size(); ++t)
             f += terms[t].share * force(record.field, {0, 0, u - delayed[t]});
           at.emplace_back(0, 0, u);
-          forces.push_back(f + Eigen::Vector3d(normal(random), normal(random), normal(random)));
+          forces.push_back(f + Eigen::Vector3d{normal(random), normal(random), normal(random)});
           record.path.begins.push_back(record.path.time.empty() || record.path.time.back() < begun);
           record.path.time.push_back(begun + now);
         }

@@ -31,8 +31,8 @@ Pairs pairs_in(const Vector3d& box, const Eigen::Matrix3d& turn, double bias = 0
   pairs.displacements.resize(3, 60);
   pairs.forces.resize(3, 60);
   for (int i = 0; i < 60; ++i) {
-    const Vector3d x = box.cwiseProduct(Vector3d(share(random), share(random), share(random)));
-    const Vector3d noise(normal(random), normal(random), normal(random));
+    const Vector3d x = box.cwiseProduct(Vector3d{share(random), share(random), share(random)});
+    const Vector3d noise{normal(random), normal(random), normal(random)};
     pairs.displacements.col(i) = turn * x;
     pairs.forces.col(i) =
         turn * (kStiffness.cwiseProduct(x) + kNoise * noise + bias * Vector3d(1, 1, 0));
@@ -109,7 +109,7 @@ TEST(FitForceField, FollowsForcesAcrossAPressAtAnAngle) {
     const Vector3d x = 0.15 * (i + 1) * line;
     pairs.displacements.col(i) = x;
     pairs.forces.col(i) =
-        kStiffness.cwiseProduct(x) + Vector3d(noise(random), noise(random), noise(random));
+        kStiffness.cwiseProduct(x) + Vector3d{noise(random), noise(random), noise(random)};
   }
   const FitResult fit = fit_force_field(pairs.displacements, pairs.forces,
                                         {.try_certified = false, .noise = {.force = kNoise}});

@@ -56,9 +56,9 @@ ForceSamples pairs_of(const Object& object, const AxisProbing& probing = {}, uns
   ForceSamples samples;
   std::vector<Vector3d> forces, displacements;
   const auto add = [&](PairKind kind, double depth, const Vector2d& ratio) {
-    const Vector2d scatter(normal(random), normal(random));
+    const Vector2d scatter{normal(random), normal(random)};
     const Vector2d observed = object.tilt + object.across * ratio + object.scatter * scatter;
-    const Vector3d noise(normal(random), normal(random), normal(random));
+    const Vector3d noise{normal(random), normal(random), normal(random)};
     const double level = depth / 4;  // [N]
     forces.emplace_back(frame * Vector3d(level * ratio.x(), level * ratio.y(), level));
     displacements.emplace_back(

@@ -37,7 +37,7 @@ std::vector<FrictionTrial> probe(const ConeProbing& with, unsigned seed) {
   std::uniform_real_distribution<double> uniform;
   std::vector<FrictionTrial> trials;
   const auto slips = [&](const Eigen::Vector3d& force) {
-    const Eigen::Vector3d f = force + Eigen::Vector3d(noise(random), noise(random), noise(random));
+    const Eigen::Vector3d f = force + Eigen::Vector3d{noise(random), noise(random), noise(random)};
     const double along = f.dot(with.axis);
     const bool slipped = (f - along * with.axis).norm() > with.friction * along;
     trials.push_back({force, slipped != (uniform(random) < with.mistaken)});
@@ -83,7 +83,7 @@ std::vector<FrictionTrial> probe_without_searching(const ConeProbing& with, unsi
       const Eigen::Vector3d force = size * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0) -
                                     with.levels[level] * kNormal;
       const Eigen::Vector3d f =
-          force + Eigen::Vector3d(noise(random), noise(random), noise(random));
+          force + Eigen::Vector3d{noise(random), noise(random), noise(random)};
       const double along = f.dot(with.axis);
       trials.push_back({force, (f - along * with.axis).norm() > with.friction * along});
     }
@@ -101,7 +101,7 @@ TEST(FitFriction, TakesTrialsWithoutSearchesAsTheyAre) {
     // Cones that differ as those of one object do, and that the others have told (pooled_prior).
     ConeProbing with{
         .friction = std::tan(0.7 + 0.04 * normal(random)),
-        .axis = Eigen::Vector3d(0.05 * normal(random), 0.05 * normal(random), 1).normalized(),
+        .axis = Eigen::Vector3d{0.05 * normal(random), 0.05 * normal(random), 1}.normalized(),
         .directions = 4,
         .levels = {0.7, 1.4, 1.8}};
     const FrictionFit fit =

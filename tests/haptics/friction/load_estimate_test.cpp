@@ -39,7 +39,7 @@ std::vector<FrictionTrial> probe_loaded(const LoadedProbing& with, unsigned seed
       const auto slips = [&](double size) {
         const Eigen::Vector3d commanded = size * across - level * kLoadedNormal;
         const Eigen::Vector3d f = commanded - std::min(with.steady, size) * across +
-                                  Eigen::Vector3d(noise(random), noise(random), noise(random));
+                                  Eigen::Vector3d{noise(random), noise(random), noise(random)};
         const double along = f.dot(with.axis);
         const double limit = with.friction * along * std::pow(along, with.exponent);
         trials.push_back({commanded, (f - along * with.axis).norm() > limit});

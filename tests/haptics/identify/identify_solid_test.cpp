@@ -43,7 +43,7 @@ probing::Acquisition probed_solid(const std::string& specimen_text, double noise
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, noise);
   const auto noisy = [&](const Vector3d& at) {
-    return Vector3d(at + Vector3d(normal(random), normal(random), normal(random)));
+    return Vector3d(at + Vector3d{normal(random), normal(random), normal(random)});
   };
   probing::Acquisition acquisition;
   acquisition.probe_radius = 5;

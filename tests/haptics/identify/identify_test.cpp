@@ -124,7 +124,7 @@ probing::Acquisition probed_half_space(double normal, double tangential, bool on
       const Eigen::Vector3d f(along * std::cos(angle), along * std::sin(angle), pressed);
       const Eigen::Vector3d at = acquisition.contacts.back().position;
       const auto scatter = [&] {
-        return Eigen::Vector3d(noise(random), noise(random), noise(random));
+        return Eigen::Vector3d{noise(random), noise(random), noise(random)};
       };
       acquisition.samples.push_back(
           {.id = 100 * c + i,
@@ -163,7 +163,7 @@ probing::Acquisition dragged_half_space(double normal, double tangential, double
   std::mt19937 random(seed);
   std::normal_distribution<double> one;
   const auto noise = [&](double size) {
-    return Eigen::Vector3d(size * one(random), size * one(random), size * one(random));
+    return Eigen::Vector3d{size * one(random), size * one(random), size * one(random)};
   };
   const Eigen::Vector3d compliance(1 / tangential, 1 / tangential, 1 / normal);
   probing::Acquisition acquisition;

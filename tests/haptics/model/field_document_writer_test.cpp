@@ -199,7 +199,7 @@ TEST(FieldDocumentWriter, AHundredContactsTakeLessThan140Kilobytes) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   const auto vector = [&] {
-    return Eigen::Vector3d(normal(random), normal(random), normal(random));
+    return Eigen::Vector3d{normal(random), normal(random), normal(random)};
   };
   model.contacts.clear();
   for (int i = 0; i < 100; ++i) {

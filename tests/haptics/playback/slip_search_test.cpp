@@ -55,7 +55,7 @@ TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
     const double x = 20 * uniform(random), y = 20 * uniform(random);
     const Eigen::Vector3d above(x, y, waves(x, y));
     const Eigen::Vector3d tool =
-        above + Eigen::Vector3d(2 * uniform(random), 2 * uniform(random), -3);
+        above + Eigen::Vector3d{2 * uniform(random), 2 * uniform(random), -3};
     PlaceField place;
     const SlidingContact start = contact_of(field, above, tool, place);
     if (start.parts.excess < 0.01) continue;
@@ -95,7 +95,7 @@ TEST_F(SlipSearch, FindsARootWhateverItRemembers) {
     const double x = 20 * uniform(random), y = 20 * uniform(random);
     const Eigen::Vector3d above(x, y, waves(x, y));
     const Eigen::Vector3d tool =
-        above + Eigen::Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -3);
+        above + Eigen::Vector3d{0.5 * uniform(random), 0.5 * uniform(random), -3};
     PlaceField place;
     const SlidingContact start = contact_of(slippery_field, above, tool, place);
     if (!(start.parts.excess > 2e-4)) continue;
@@ -125,7 +125,7 @@ TEST_F(SlipSearch, NeverStoresMoreEnergyThanItMay) {
     const double x = 20 * uniform(random), y = 20 * uniform(random);
     const Eigen::Vector3d above(x, y, waves(x, y));
     const Eigen::Vector3d tool =
-        above + Eigen::Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -3);
+        above + Eigen::Vector3d{0.5 * uniform(random), 0.5 * uniform(random), -3};
     for (const bool passive : {false, true}) {
       PlaceField place;
       const SlidingContact start = contact_of(slippery_field, above, tool, place);

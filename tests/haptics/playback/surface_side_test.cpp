@@ -23,9 +23,9 @@ TEST(SurfaceSide, AgreesWithTheSectionOfSharpGrooves) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (std::size_t groove = 0; groove < openings.size(); ++groove) {
     for (int i = 0; i < 200; ++i) {
-      const Eigen::Vector3d place(profile.bottom(groove) + 4 * uniform(random),
+      const Eigen::Vector3d place{profile.bottom(groove) + 4 * uniform(random),
                                   15 * uniform(random),
-                                  -CreaseProfile::kDepth + 4 * uniform(random));
+                                  -CreaseProfile::kDepth + 4 * uniform(random)};
       TouchPoint nearest;
       EXPECT_NEAR(-side.signed_distance(place, nearest), profile.depth(place), 1e-6)
           << openings[groove] << ' ' << place.transpose();

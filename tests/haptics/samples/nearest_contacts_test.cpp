@@ -59,7 +59,7 @@ TEST(NearestContacts, AreOnTheSameSideOfTheObject) {
   std::vector<PressedContact> ball;
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector3d out =
-        Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+        Eigen::Vector3d{normal(random), normal(random), normal(random)}.normalized();
     ball.push_back(contact_at(30 * out, -out));
   }
   expect_nearest(ball, 24);

@@ -65,7 +65,7 @@ Pressed pressed(const Recording& recording) {
       contact.forces.col(s) = share * k * (depth + depth * depth / kHardening) *
                                   (contact.direction + recording.resistance * side) +
                               recording.bias +
-                              Vector3d(normal(random), normal(random), normal(random));
+                              Vector3d{normal(random), normal(random), normal(random)};
       if (ways > 1) contact.unloading.push_back(back);
     }
     result.contacts.push_back(contact);

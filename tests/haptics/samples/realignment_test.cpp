@@ -82,7 +82,7 @@ std::vector<probing::Sample> scattered(double noise, unsigned seed) {
   std::normal_distribution<double> normal(0, noise);
   std::vector<probing::Sample> samples;
   for (int i = 0; i < 200; ++i) {
-    const Vector3d off(normal(random), normal(random), 10 * normal(random));
+    const Vector3d off{normal(random), normal(random), 10 * normal(random)};
     const Vector3d a = Vector3d(10, 20, 703) + off;
     samples.push_back(sample(i / 50, {0, 0, 2}, a, a));
   }
@@ -121,7 +121,7 @@ std::vector<probing::Sample> alike(int groups, int size, unsigned seed) {
   std::vector<probing::Sample> samples;
   for (int i = 0; i < groups * size; ++i) {
     const Vector3d a =
-        Vector3d(10, 20, 703) + Vector3d(normal(random), normal(random), normal(random));
+        Vector3d(10, 20, 703) + Vector3d{normal(random), normal(random), normal(random)};
     samples.push_back(sample(i / size, {0, 0, 2}, a, a));
   }
   return samples;
@@ -139,10 +139,10 @@ TEST(Realign, EstimatesTheNoiseFromGroupsOfAnySize) {
 TEST(Realign, UnderstatesTheNoiseOfPairsOnARigidObjectByRootTwoAtMost) {
   std::mt19937 random(6);
   std::normal_distribution<double> normal(0, 0.02);
-  const auto noise = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
+  const auto noise = [&] { return Vector3d{normal(random), normal(random), normal(random)}; };
   std::vector<probing::Sample> samples;
   for (int i = 0; i < 40 * 49; ++i) {
-    const Vector3d place = Vector3d(10, 20, 700) + Vector3d(normal(random), normal(random), 0);
+    const Vector3d place = Vector3d(10, 20, 700) + Vector3d{normal(random), normal(random), 0};
     samples.push_back(sample(i / 49, {0, 0, 2}, place + noise(), place + noise()));
   }
   const ForceSamples pairs = realign(kContact, samples);

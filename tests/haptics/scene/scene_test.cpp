@@ -322,7 +322,7 @@ TEST(Scene, DoesNotAllocateInTheLoop) {
       constexpr std::array<double, 4> reaches{1, 5, 50, 1e4};
       tools[t] = poses[t % 2] * (Vector3d(10.0 * static_cast<double>(t), 0, 702) +
                                  reaches[random() % 64 / 21] *
-                                     Vector3d(uniform(random), uniform(random), uniform(random)));
+                                     Vector3d{uniform(random), uniform(random), uniform(random)});
       if (random() % 50 == 0) tools[t].y() = kNaN;
     }
     if (random() % 50 == 0) poses[random() % 2].linear() *= 2;

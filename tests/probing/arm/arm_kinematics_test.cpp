@@ -16,7 +16,7 @@ const ArmGeometry kArm;
 
 Eigen::Vector3d random_joints(std::mt19937_64& random) {
   std::uniform_real_distribution<double> turn(-1.5, 1.5), upper(-0.6, 1.2), bend(-1.2, 1.2);
-  Eigen::Vector3d joints(turn(random), upper(random), 0);
+  Eigen::Vector3d joints{turn(random), upper(random), 0};
   joints[2] = joints[1] + bend(random);
   return joints;
 }

@@ -32,7 +32,7 @@ TEST(ArmReach, AgreesWithForwardKinematicsOfJointsInsideAndOutsideTheirRange) {
   std::uniform_real_distribution<double> turn(-2, 2), upper(-1.2, 1.9), bend(-1.3, 1.3);
   int inside = 0, outside = 0;
   for (int i = 0; i < 10000; ++i) {
-    Vector3d joints(turn(random), upper(random), 0);
+    Vector3d joints{turn(random), upper(random), 0};
     joints[2] = joints[1] + bend(random);
     const Vector3d tip = tip_position(options.geometry, joints);
     const double radius =
@@ -121,7 +121,7 @@ TEST(ArmReach, LinksStayAwayFromTheSurfaceAsASearchOfAllTrianglesSays) {
   std::uniform_real_distribution<double> turn(-0.7, 0.7), upper(-0.4, 0.6), lower(-0.7, 0.7);
   int clear = 0, near = 0;
   for (int i = 0; i < 10000; ++i) {
-    const Vector3d joints(turn(random), upper(random), lower(random));
+    const Vector3d joints{turn(random), upper(random), lower(random)};
     const Vector3d tip = tip_position(options.geometry, joints);
     const Vector3d elbow =
         tip_position({options.geometry.upper, 1e-9}, Vector3d(joints[0], joints[1], 0));

@@ -142,7 +142,7 @@ Errors errors_of_forces(double stiffness, bool compensated, unsigned seed, int c
   Errors result;
   for (int i = 0; i < count; ++i) {
     // Pulls along x and z: a joint that hardly moves keeps a friction that nobody knows.
-    Eigen::Vector3d force(i % 5 == 0 ? 0.1 : pull(random), -pressing(random), pull(random));
+    Eigen::Vector3d force{i % 5 == 0 ? 0.1 : pull(random), -pressing(random), pull(random)};
     if (i % 2 == 0) force.x() *= -1;
     if (i % 4 < 2) force.z() *= -1;
     force.y() -= 0.5 * force.norm();

@@ -54,8 +54,8 @@ inline SimulatedSpring any_spring(std::mt19937_64& random) {
 inline SimulatedTrial simulate_trial(const SimulatedSpring& spring, std::mt19937_64& random) {
   std::normal_distribution<double> normal(0, 1);
   const auto noise = [&](double deviation) {
-    return Eigen::Vector3d(deviation * normal(random), deviation * normal(random),
-                           deviation * normal(random));
+    return Eigen::Vector3d{deviation * normal(random), deviation * normal(random),
+                           deviation * normal(random)};
   };
   const double compliance = spring.compliance, share = spring.share;
   const double pressing = log_uniform(random, 0.1, 3), limit = spring.friction * pressing;  // [N]

@@ -25,7 +25,7 @@ TEST(ContactSystem, TheTipActsOnAllPointsWithinItsRadius) {
   const ContactSystem system(body, {.tip_radius = kRadius});
   std::mt19937 random(7);
   std::uniform_real_distribution<double> part(-1, 1);
-  const auto anywhere = [&] { return Vector3d(part(random), part(random), part(random)); };
+  const auto anywhere = [&] { return Vector3d{part(random), part(random), part(random)}; };
   std::size_t touched = 0;
   for (int turn = 0; turn < 200; ++turn) {
     // Its nodes move by up to 0.7 mm, so faces are curved.

@@ -47,7 +47,7 @@ ConePosterior probed(const SimulatedContact& contact, const ConePrior& prior,
     double low = 0, high = 2.6;
     while (high - low > 1e-3)
       (posterior.slip_probability(force((low + high) / 2)) < 0.5 ? low : high) = (low + high) / 2;
-    const Vector3d applied = force(low) + Vector3d(noise(random), noise(random), noise(random));
+    const Vector3d applied = force(low) + Vector3d{noise(random), noise(random), noise(random)};
     const ConeTrial trial{force(low), contact.slips(applied)};
     posterior.add({&trial, 1});
   }

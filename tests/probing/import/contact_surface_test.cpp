@@ -91,7 +91,7 @@ TEST(ContactSurface, HasNoNeedlesAtANoisyBorderAndNoBridges) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> noise(-0.3, 0.3);
   for (Contact& contact : contacts)
-    contact.position += Eigen::Vector3d(noise(random), noise(random), noise(random));
+    contact.position += Eigen::Vector3d{noise(random), noise(random), noise(random)};
   geometry::TriangleMesh mesh = contact_surface(contacts).mesh;
   EXPECT_TRUE(geometry::find_defects(mesh).empty());
   EXPECT_EQ(mesh.triangles.cols(), 2 * 7 * 7);

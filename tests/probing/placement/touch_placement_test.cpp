@@ -70,7 +70,7 @@ Matrix3Xd touches_of(const TriangleMesh& surface, int count, unsigned seed, doub
       const double distance = query.closest_point(place + middle * normals.col(vertex)).distance;
       (distance < kTip ? low : high) = middle;
     }
-    const Vector3d error(normal(random), normal(random), normal(random));
+    const Vector3d error{normal(random), normal(random), normal(random)};
     tips.col(i++) = place + (low + noise * kTouchNoise * normal(random)) * normals.col(vertex) +
                     noise * kAlongSurface * error;
   }
@@ -195,7 +195,7 @@ TEST(PlaceByTouches, SaysWhichMotionsAPlateAndABallLeaveFree) {
   for (auto tip : tips.colwise())
     tip = Vector3d(0, 0, 700) +
           (40 + kTip + kTouchNoise * normal(random)) *
-              Vector3d(normal(random), normal(random), normal(random)).normalized();
+              Vector3d{normal(random), normal(random), normal(random)}.normalized();
   const ArmPlacement on_ball = place_by_touches(tips, ball, near);
   EXPECT_FALSE(on_ball.determined);
   EXPECT_THAT(on_ball.reason, HasSubstr("a turn about"));

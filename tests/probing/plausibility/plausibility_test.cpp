@@ -48,7 +48,7 @@ Acquisition dragged(const Spring& spring = {}) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal(0, 1);
   const auto noise = [&](double size) {
-    return Eigen::Vector3d(size * Eigen::Vector3d(normal(random), normal(random), normal(random)));
+    return Eigen::Vector3d(size * Eigen::Vector3d{normal(random), normal(random), normal(random)});
   };
   Acquisition acquisition;
   for (int c = 0; c < 9; ++c) {
