@@ -17,6 +17,7 @@
 #include "palpate/pictures/draw_range_map.h"
 #include "palpate/pictures/draw_residuals.h"
 #include "palpate/pictures/draw_section.h"
+#include "palpate/pictures/draw_stiffness.h"
 #include "palpate/pictures/draw_time_line.h"
 #include "palpate/pictures/draw_touch.h"
 
@@ -39,6 +40,7 @@ struct Drawings {
   decltype(&draw_range_map) range_map;
   decltype(&draw_residuals) residuals;
   decltype(&draw_section) section;
+  decltype(&draw_stiffness) stiffness;
   decltype(&draw_time_line) time_line;
   decltype(&draw_touch) touch;
 };

@@ -95,6 +95,11 @@ void draw_section(const std::filesystem::path& png, std::span<const SectionSerie
   drawings().section(png, series, title, labels);
 }
 
+void draw_stiffness(const std::filesystem::path& png, const geometry::TriangleMesh& surface,
+                    const StiffnessPicture& picture) {
+  drawings().stiffness(png, surface, picture);
+}
+
 void draw_time_line(const std::filesystem::path& png, const TimeLine& trials,
                     const std::string& title) {
   drawings().time_line(png, trials, title);

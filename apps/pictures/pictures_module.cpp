@@ -19,6 +19,7 @@ const palpate::pictures::Drawings palpate_pictures{
     .range_map = &palpate::pictures::draw_range_map,
     .residuals = &palpate::pictures::draw_residuals,
     .section = &palpate::pictures::draw_section,
+    .stiffness = &palpate::pictures::draw_stiffness,
     .time_line = &palpate::pictures::draw_time_line,
     .touch = &palpate::pictures::draw_touch,
 };

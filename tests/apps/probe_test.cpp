@@ -79,12 +79,13 @@ class Probe : public ::testing::Test {
       EXPECT_NE(page.find("<img src=\"" + file.path().filename().string() + "\""),
                 std::string::npos);
     }
-    EXPECT_EQ(pictures, 7);  // time line, displacements at two forces, three contacts, errors
+    // Time line, displacements at two forces, stiffness, three contacts, errors.
+    EXPECT_EQ(pictures, 8);
     std::size_t shown = 0;
     for (std::size_t at = page.find("<img"); at != std::string::npos;
          at = page.find("<img", at + 1))
       ++shown;
-    EXPECT_EQ(shown, 7U);
+    EXPECT_EQ(shown, 8U);
   }
 
   ScratchFolder scratch;
@@ -126,6 +127,12 @@ TEST_F(Probe, AReportShowsTheCampaignAndTheErrorOfTheModelAgainstTheTruth) {
                scratch / "truth/queries.csv", "-o", scratch / "report"});
   EXPECT_EQ(reported["queries_rms"], errors["queries"]["rms"]);
   EXPECT_EQ(reported["trials"], campaign().done["trials"]);
+  const json& stiffness = reported["stiffness"];
+  EXPECT_EQ(stiffness["contacts"], 12);
+  EXPECT_TRUE(stiffness["distinct"]);
+  EXPECT_GT(stiffness["area"], 0);
+  // A stretched sheet is stiffest near its supports, at x = +-50 mm.
+  EXPECT_GT(std::abs(stiffness["stiffest"][0].get<double>()), 30);
   expect_whole_page(scratch / "report");
 }
 

@@ -224,9 +224,9 @@ struct ReportCall {
 
 /// All files that a report of this campaign can have, of an earlier model also.
 std::vector<fs::path> report_files(const probing::Campaign& campaign) {
-  std::vector<fs::path> files{"index.html",    "timeline.png",    "errors.png",
-                              "touch.png",     "gravity-0.png",   "gravity-1.png",
-                              "gravity-2.png", "force-errors.png"};
+  std::vector<fs::path> files{"index.html",    "timeline.png",     "errors.png",
+                              "touch.png",     "gravity-0.png",    "gravity-1.png",
+                              "gravity-2.png", "force-errors.png", kStiffnessPicture};
   for (std::size_t level = 0; level < campaign.plan().normal_forces.size(); ++level)
     files.emplace_back(fmt::format("displacements-{}.png", level));
   for (const probing::Contact& contact : campaign.plan().contacts)
@@ -239,6 +239,7 @@ void write_page(const fs::path& folder, const CampaignReport& input) {
   add_summary(page, input);
   add_time_line(page, folder, input);
   add_displacements(page, folder, input);
+  add_stiffness(page, folder, input.model.surface, input.stiffness);
   add_samples(page, folder, input);
   add_errors(page, folder, input);
   if (input.session) add_arm(page, folder, *input.session);
@@ -255,6 +256,7 @@ void report(const Settings& settings, const ReportCall& call) {
       number_or_null(input.queries ? std::optional(input.queries->rms) : std::nullopt);
   figures["leave_one_out_rms"] =
       number_or_null(input.left_out ? std::optional(input.left_out->rms) : std::nullopt);
+  figures["stiffness"] = stiffness_figures(input.stiffness);
   figures["output"] = call.output.string();
   print(settings, figures, "written to " + (call.output / "index.html").string());
 }
@@ -273,6 +275,7 @@ CampaignReport read_report(const fs::path& store, const fs::path& model, const f
       .software = campaign.description().software,
       .acquisition = probing::read_acquisition(store),
       .model = haptics::read_model(model),
+      .stiffness = {},
       .left_out = {},
       .queries = {},
       .session = {}};
@@ -280,6 +283,9 @@ CampaignReport read_report(const fs::path& store, const fs::path& model, const f
   report.findings = findings_of(campaign, report.campaign.plan(), report.options);
   if (report.trials.empty())
     throw InvalidInput(store.string() + ": has no trial yet; there is nothing to report");
+  report.stiffness = reported_stiffness(report.acquisition, report.model.surface,
+                                        {.position = report.options.program.position_noise,
+                                         .force = report.options.program.force_noise});
   if (report.model.contacts.size() >= kLeastLeftOut)
     report.left_out = haptics::leave_one_out(report.model, report.acquisition, {.suggestions = 0});
   if (!queries.empty())

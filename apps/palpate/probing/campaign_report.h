@@ -14,6 +14,7 @@
 #include "probing/arm_session.h"
 #include "probing/probe_campaign.h"
 #include "probing/report_page.h"
+#include "probing/report_stiffness.h"
 
 namespace palpate::apps {
 
@@ -27,6 +28,7 @@ struct CampaignReport {
   std::string software;  ///< program that performed them
   probing::CheckedAcquisition acquisition;
   haptics::Model model;
+  std::optional<ReportedStiffness> stiffness;    ///< none if the campaign has too few contacts
   std::optional<haptics::LeaveOneOut> left_out;  ///< none if the model has too few contacts
   std::optional<haptics::QueryErrors> queries;   ///< none if no forces are known
   std::optional<ArmSession> session;             ///< none without a record

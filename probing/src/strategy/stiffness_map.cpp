@@ -125,10 +125,13 @@ StiffnessMap stiffness_map(const geometry::TriangleMesh& surface,
         "stiffness_map(): no vertex of the surface is near a contact; give the surface on which "
         "the contacts are");
   }
-  Eigen::Index at = 0;
-  map.stiff = map.stiffness.unaryExpr([](double k) { return std::isnan(k) ? 0 : k; }).maxCoeff(&at);
-  map.stiffest = surface.vertices.col(at);
-  map.stiff_deviation = map.deviation(at);
+  for (const ContactStiffness& contact : contacts) {
+    const ContactStiffness there = process.predict(contact.position);
+    if (!(there.stiffness > map.stiff)) continue;
+    map.stiff = there.stiffness;
+    map.stiffest = contact.position;
+    map.stiff_deviation = there.deviation;
+  }
   map.threshold = (map.soft + map.stiff) / 2;
   map.distinct = map.stiff - map.soft >= kDistinct * map.stiff_deviation;
   if (map.distinct) find_contour(surface, map);

@@ -18,10 +18,10 @@ struct StiffnessMap {
   Eigen::VectorXd stiffness, deviation;
   double length = 0;  ///< [mm] over which the stiffness changes
   /// [N/mm] The median of the map, by area: the object, if stiff parts lie below less than half of
-  /// it. And its highest value.
+  /// it. And its highest value at a contact: beyond the outermost contacts it is a guess.
   double soft = 0, stiff = 0;
-  Eigen::Vector3d stiffest = Eigen::Vector3d::Zero();  ///< [mm] the vertex with the highest value
-  double stiff_deviation = 0;                          ///< [N/mm] at that vertex
+  Eigen::Vector3d stiffest = Eigen::Vector3d::Zero();  ///< [mm] the contact with the highest value
+  double stiff_deviation = 0;                          ///< [N/mm] at that contact
   double threshold = 0;                                ///< [N/mm] midway between soft and stiff
   /// Whether stiff - soft is at least three times `stiff_deviation`. If not, the map shows nothing
   /// but noise, and the contour none either.
