@@ -10,18 +10,22 @@
 #include <optional>
 
 #include "image/hot_loop.h"
+#include "phase/doubtful_change.h"
 
 namespace palpate::sensing {
 namespace {
 
-/// A smooth surface hardly has more: contrast (a - b) / (a + b) of the modulations a period before
-/// and behind a pixel, change of the frequency there as part of the carrier's, contrast of the
-/// light, and jump of the phase [turns]. The jump is a compromise: with 0.15, more steps stay
-/// unseen; with 0.1, the real relief of docs/sensing-accuracy.md loses 2 to 4 % of its depths.
+/// Contrast (a - b) / (a + b) of the modulations a period before and behind a pixel, and change of
+/// the frequency there as part of the carrier's, that are rare on any surface. A sphere before a
+/// smooth wall would lose its depths if they were smaller.
 constexpr float kDoubtfulModulation = 0.4F;
 constexpr float kDoubtfulFrequency = 0.3F;
-constexpr float kDoubtfulLight = 0.25F;
-constexpr float kDoubtfulJump = 0.1F;
+/// Contrast of the light across the columns.
+constexpr DoubtfulChange kLight{.most = 0.25, .least = 0.04, .typicals = 40};
+/// Jumps of the phase [turns]. The largest values are compromises: with 0.15 across the columns,
+/// more steps stay unseen. Down the columns, the window of the phase rounds relief.
+constexpr DoubtfulChange kJumpAcross{.most = 0.1, .least = 0.012, .typicals = 20};
+constexpr DoubtfulChange kJumpDown{.most = 0.25, .least = 0.012, .typicals = 14};
 
 /// Distance from a pixel beyond which an edge of the light at it is not seen [px].
 constexpr long kEdge = 2;
@@ -122,17 +126,14 @@ void drop_ends(long distance, Plane& values) {
   }
 }
 
-/// Adds the square of the contrast of two values. If they are not both known, it adds that of two
-/// others.
-PALPATE_HOT_LOOP void add_contrast(const float* one, const float* other, const float* near_one,
-                                   const float* near_other, float doubtful, float unknown,
-                                   float* __restrict doubt, long count) {
+/// Writes the contrast of two values. If they are not both known, it is that of two others.
+PALPATE_HOT_LOOP void find_contrast(const float* one, const float* other, const float* near_one,
+                                    const float* near_other, float* __restrict contrast,
+                                    long count) {
   for (long i = 0; i < count; ++i) {
-    const float far = (one[i] - other[i]) / ((one[i] + other[i]) * doubtful);
-    const float near = (near_one[i] - near_other[i]) / ((near_one[i] + near_other[i]) * doubtful);
-    const float contrast = far == far ? far : near;
-    const float square = contrast * contrast;
-    doubt[i] += square == square ? square : unknown;
+    const float far = (one[i] - other[i]) / (one[i] + other[i]);
+    const float near = (near_one[i] - near_other[i]) / (near_one[i] + near_other[i]);
+    contrast[i] = far == far ? far : near;
   }
 }
 
@@ -144,15 +145,19 @@ struct PhaseRows {
   const float* far_behind;
 };
 
-/// Adds the square of the change of the phase over a period from before the row to behind it.
-PALPATE_HOT_LOOP void add_frequency(const PhaseRows& rows, float* __restrict doubt, long count) {
+/// Writes the change of the phase's slope over a period from before the row to behind it, and the
+/// jump of the phase between the two sides, each continued to the row [turns]. The slopes are
+/// known up to a turn; half of their difference, in place of their mean, keeps the jump right.
+PALPATE_HOT_LOOP void find_phase_changes(const PhaseRows& rows, float* __restrict bend,
+                                         float* __restrict jump, long count) {
   const PhaseRows r = rows;
   for (long i = 0; i < count; ++i) {
-    const float turns =
-        ((r.far_behind[i] - r.behind[i]) - (r.before[i] - r.far_before[i])) * (1 / kTurn);
-    const float change = (turns - std::nearbyint(turns)) * (1 / kDoubtfulFrequency);
-    const float square = change * change;
-    doubt[i] += square == square ? square : 0;
+    const float slope_before = r.before[i] - r.far_before[i];
+    const float turns = ((r.far_behind[i] - r.behind[i]) - slope_before) * (1 / kTurn);
+    const float change = turns - std::nearbyint(turns);
+    const float continued = (r.behind[i] - r.before[i] - slope_before) * (1 / kTurn) - change / 2;
+    bend[i] = change;
+    jump[i] = continued - std::nearbyint(continued);
   }
 }
 
@@ -165,14 +170,18 @@ void add_changes_down(const Plane& modulation, const Plane& phase, double period
   const auto row_of = [&](const Plane& plane, long row) {
     return row >= 0 && row < rows ? &plane(row, 0) : unknown.data();
   };
+  Plane contrast(rows, columns), bend(rows, columns), jump(rows, columns);
   for (long row = 0; row < rows; ++row) {
-    add_contrast(row_of(modulation, row - whole), row_of(modulation, row + whole),
-                 row_of(modulation, row - half), row_of(modulation, row + half),
-                 kDoubtfulModulation, kUnproven, &doubt(row, 0), columns);
-    add_frequency({row_of(phase, row - whole - half), row_of(phase, row - half),
-                   row_of(phase, row + half), row_of(phase, row + whole + half)},
-                  &doubt(row, 0), columns);
+    find_contrast(row_of(modulation, row - whole), row_of(modulation, row + whole),
+                  row_of(modulation, row - half), row_of(modulation, row + half), &contrast(row, 0),
+                  columns);
+    find_phase_changes({row_of(phase, row - 3 * half), row_of(phase, row - half),
+                        row_of(phase, row + half), row_of(phase, row + 3 * half)},
+                       &bend(row, 0), &jump(row, 0), columns);
   }
+  add_doubt(contrast, kDoubtfulModulation, kUnproven, doubt);
+  add_doubt(bend, kDoubtfulFrequency, 0, doubt);
+  add_doubt(jump, doubtful_change(jump, kJumpDown), 0, doubt);
 }
 
 /// Sums of the sinusoid over ranges of a row, where the phase is known.
@@ -212,12 +221,14 @@ double slope(const std::optional<std::complex<double>>& from,
   return from && to ? std::arg(*to * std::conj(*from)) : 0;
 }
 
-/// Adds the square of the jump of the phase between the two sides of a pixel, each continued to it.
+/// Adds the doubt of the jump of the phase between the two sides of a pixel, each continued to it.
 void add_jumps(const Combined& sinusoid, const Plane& light, double period, Plane& doubt) {
   const long side = std::max(kLeastSide, std::lround(period * kSidePart));
   const double to_pixel = static_cast<double>(kEdge) + static_cast<double>(side - 1) / 2;
   const double ranges = to_pixel / static_cast<double>(side);
   SideSums sums;
+  Plane jumps = Plane::Constant(light.rows(), light.cols(), kUnknown);
+  Plane at_ends = jumps;  // of rows, which cut the ranges short
   for (long row = 0; row < light.rows(); ++row) {
     sums.start(sinusoid, light, row);
     for (long column = 0; column < light.cols(); ++column) {
@@ -228,10 +239,13 @@ void add_jumps(const Combined& sinusoid, const Plane& light, double period, Plan
       const double by_slopes = slope(sums.over(column - kEdge - 2 * side + 1, side), left) +
                                slope(right, sums.over(column + kEdge + side, side));
       const auto jump = static_cast<float>(slope(left, right) - ranges * by_slopes);
-      const float change = whole_turns_removed(jump) / (kTurn * kDoubtfulJump);
-      doubt(row, column) += change * change;
+      const bool whole =
+          column - kEdge - 2 * side + 1 >= 0 && column + kEdge + 2 * side <= light.cols();
+      (whole ? jumps : at_ends)(row, column) = whole_turns_removed(jump) / kTurn;
     }
   }
+  add_doubt(jumps, doubtful_change(jumps, kJumpAcross), 0, doubt);
+  add_doubt(at_ends, static_cast<float>(kJumpAcross.most), 0, doubt);
 }
 
 }  // namespace
@@ -258,13 +272,14 @@ void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& f
   drop_ends(cut, phase);
   add_changes_down(modulation, phase, filter.period(), doubt.down);
 
+  Plane contrast = Plane::Constant(rows, columns, kUnknown);
   for (long row = 0; row < rows && columns > 2 * kEdge; ++row) {
     if (signal.channels.size() > 1) fill_dips(row, light);
     const float* const one = &light(row, 0);
     const float* const other = &light(row, 2 * kEdge);
-    add_contrast(one, other, one, other, kDoubtfulLight, 0, &doubt.across(row, kEdge),
-                 columns - 2 * kEdge);
+    find_contrast(one, other, one, other, &contrast(row, kEdge), columns - 2 * kEdge);
   }
+  add_doubt(contrast, doubtful_change(contrast, kLight), 0, doubt.across);
   add_jumps(signal.sharp, light, filter.period(), doubt.across);
 }
 

@@ -29,11 +29,12 @@ struct SurfaceDoubt {
 /// A step of depth changes the phase by whole turns and a fraction. The fraction does not show the
 /// whole turns, and if it is small the phase does not show the step. But the other surface has
 /// another distance, slope and material. The doubt is a sum of squares, each divided by a value
-/// that is rare on a smooth surface:
+/// that is rare on the surfaces of the image (`DoubtfulChange`):
 ///   the unevenness of the phase;
 ///   down the columns, along which a window of two periods joins both surfaces, the change of the
 ///   modulation (amplitude over light, as it is at the local frequency) and of the frequency
-///   between places a period before and behind, and a frequency far from the carrier;
+///   between places a period before and behind, the jump of the phase as it is continued from
+///   either side, and a frequency far from the carrier;
 ///   across them, where little is blurred, the jump of the phase as it is continued from either
 ///   side, and that of the light.
 /// If one of the places has no phase, nothing is added, but half a doubt for the modulation.

@@ -95,6 +95,30 @@ TEST(AnchoredRegions, EndAtStepsWhoseWholePeriodsThePhaseDoesNotShow) {
   }
 }
 
+// The light changes little from the card to the wall, and the phase by a fraction of a turn that is
+// zero at places along each side.
+TEST(AnchoredRegions, EndAtStepsBeforeAWallOfTheSameColour) {
+  const Rig rig = make_rig(false);
+  for (const double distance : {640.0, 600.0, 565.0}) {
+    const Surface wall = plane({0, 0, 1}, 720), card = plane({0.1, 0.15, 1}, distance);
+    const Surface both = [&](const Eigen::Vector2d& ray) {
+      const bool beside = std::abs(ray.x() + 0.03) > 0.15 || std::abs(ray.y()) > 0.11;
+      return beside ? wall(ray) : card(ray);
+    };
+    Scene scene = render(rig, sinusoid(Axis::y), both);
+    add_noise(scene.frame, 0.002, 5);
+    for (const Anchor& anchor : {anchor_at(scene, 20, 40), anchor_at(scene, 140, 125)}) {
+      const DecodeResult result =
+          Decoder(rig, sinusoid(Axis::y), {}, {.anchors = {anchor}}).decode(scene.frame);
+      const auto known = result.range.z > 0;
+      const auto wrong = known && (result.range.z - scene.z).abs() > 8;  // half a period, nearly
+      EXPECT_GE(known.count(), 5000) << distance << ' ' << anchor.u_px;
+      EXPECT_LE(static_cast<double>(wrong.count()), 0.01 * static_cast<double>(known.count()))
+          << distance << ' ' << anchor.u_px;
+    }
+  }
+}
+
 TEST(AnchoredRegions, KeepASmoothReliefWhole) {
   const Rig rig = make_rig(false);
   const Surface relief = [](const Eigen::Vector2d& ray) {

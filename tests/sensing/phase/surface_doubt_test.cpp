@@ -16,7 +16,8 @@ namespace palpate::sensing {
 namespace {
 
 constexpr long kDoubtRows = 200, kDoubtColumns = 80, kMiddleRow = 100, kMiddleColumn = 40;
-constexpr double kDoubtPeriod = 24;  // px
+constexpr double kDoubtPeriod = 24;                         // px
+constexpr double kColumnTurns = 2 * std::numbers::pi / 10;  ///< [rad/px]; a crest at the jump
 
 /// Light and sinusoid of a surface at a pixel.
 struct Seen {
@@ -128,6 +129,43 @@ TEST(SurfaceDoubt, SeesAStepOfWholePeriodsDownTheColumns) {
   };
   for (const auto& doubt : {step(1.45, 0.8), step(1, 0.3), step(1.3, 0.4)})
     EXPECT_GT(doubt.down.row(kMiddleRow).minCoeff(), 1.0F);
+}
+
+// Of some columns only, so that most of the image is smooth.
+TEST(SurfaceDoubt, SeesAJumpOfThePhaseDownTheColumns) {
+  for (const double jump : {0.06, 0.13, -0.25, 3.4}) {
+    const SurfaceDoubt doubt = doubt_about([&](double row, double column) {
+      return Seen{.phase =
+                      phase_at(row, row > kMiddleRow && column > kMiddleColumn + 10 ? jump : 0)};
+    });
+    EXPECT_GT(doubt.down.row(kMiddleRow).tail(20).minCoeff(), 1.0F) << jump;
+    EXPECT_LT(doubt.down.row(kMiddleRow).head(kMiddleColumn).maxCoeff(), 0.1F) << jump;
+  }
+}
+
+// The slope of the phase against that of the carrier is known up to a turn a period.
+TEST(SurfaceDoubt, SeesNoJumpWhereTheFrequencyPassesHalfATurnBesideTheCarrier) {
+  const SurfaceDoubt doubt = doubt_about([](double row, double) {
+    const double away = row - kMiddleRow;
+    return Seen{.phase = phase_at(row, -0.5 * away / kDoubtPeriod - 1e-5 * away * away)};
+  });
+  // The frequency is half the carrier's, which alone makes a doubt of a quarter. The slopes reach
+  // one and a half periods away, to windows of one period.
+  const long cut = static_cast<long>(2.5 * kDoubtPeriod);
+  EXPECT_LT(doubt.down.middleRows(cut, kDoubtRows - 2 * cut).maxCoeff(), 0.5F);
+}
+
+// Where half of the surface is uneven, smaller changes are no steps.
+TEST(SurfaceDoubt, SeesSmallJumpsOnSmoothSurfacesOnly) {
+  const auto doubt_at_jump = [](double relief) {
+    const SurfaceDoubt doubt = doubt_about([&](double row, double column) {
+      return Seen{.phase = phase_at(row, (column > kMiddleColumn ? 0.04 : 0) +
+                                             relief * std::cos(column * kColumnTurns))};
+    });
+    return doubt.across.col(kMiddleColumn).segment(30, 140).minCoeff();
+  };
+  EXPECT_GT(doubt_at_jump(0), 1.0F);
+  EXPECT_LT(doubt_at_jump(0.08), 1.0F);
 }
 
 TEST(SurfaceDoubt, IsInfiniteWhereThePhaseIsUnknown) {
