@@ -141,7 +141,7 @@ const std::vector<KnownDeviation>& known_deviations() {
   constexpr std::string_view kPrior =
       "what is assumed of the curvature of displacements is in newton (0.6 N, length scales 1 and "
       "3 "
-      "N^1/2): issue 50";
+      "N^1/2)";
   constexpr std::string_view kCertified =
       "certified fits take seconds of processor time for each contact";
   constexpr std::string_view kReduced =
