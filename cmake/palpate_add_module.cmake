@@ -32,6 +32,8 @@ function(palpate_add_module name)
   endif()
   target_link_options(palpate_${name} PRIVATE -Wl,--version-script=${map})
   set_target_properties(palpate_${name} PROPERTIES LINK_DEPENDS ${map})
+  # Workers of oneTBB still run when a program such as Mono unloads the library. GCC's unique symbols keep it, but clang has none.
+  target_link_options(palpate_${name} PRIVATE -Wl,-z,nodelete)
   # A library that is not named above fails here, not in Python, which resolves every symbol at once. What sanitizers
   # call is in the programs.
   if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
