@@ -30,6 +30,7 @@ constexpr double kContourWidth = 4;           ///< px
 constexpr double kContourLift = 0.05;
 /// Least span of the colours, of the highest value: so that noise is not drawn as contrast.
 constexpr double kLeastSpan = 0.1;
+constexpr double kLeastSpanOfZeros = 1e-12;  ///< [N/mm]
 /// Parts of a colour that are its own, and that come from the light.
 constexpr double kColorOwn = 0.62, kColorLit = 0.4;
 
@@ -45,7 +46,7 @@ ColorSpan span_of(const Eigen::VectorXd& stiffness) {
     span.low = std::min(span.low, value);
     span.high = std::max(span.high, value);
   }
-  const double least = std::max(kLeastSpan * std::abs(span.high), 1e-12);
+  const double least = std::max(kLeastSpan * std::abs(span.high), kLeastSpanOfZeros);
   if (span.high - span.low < least) {
     const double middle = (span.low + span.high) / 2;
     span = {middle - least / 2, middle + least / 2};

@@ -24,7 +24,7 @@ std::string caption_of(const ReportedStiffness& stiffness) {
     return text + "This is within three standard deviations, so no contour is drawn.";
   return text +
          fmt::format(
-             "The contour encloses {:.3g} mm² that are stiffer than {:.3g} N/mm, midway between "
+             "The contour encloses {:.0f} mm² that are stiffer than {:.3g} N/mm, midway between "
              "the two. It shows where the object feels stiffer, for whatever reason: a stiff part, "
              "a support, or a thin place. The outline of a deep part is blurred.",
              map.area, map.threshold);
