@@ -79,19 +79,24 @@ Scene card_before_wall(const Rig& rig, const Pattern& pattern, double distance) 
   return scene;
 }
 
+// With one anchor on the wall, and with one on the card at this distance [mm].
+void expect_few_wrong_depths(const Rig& rig, const Scene& scene, double distance) {
+  for (const Anchor& anchor : {anchor_at(scene, 20, 40), anchor_at(scene, 140, 125)}) {
+    const DecodeResult result =
+        Decoder(rig, sinusoid(Axis::y), {}, {.anchors = {anchor}}).decode(scene.frame);
+    const auto known = result.range.z > 0;
+    const auto wrong = known && (result.range.z - scene.z).abs() > 8;  // half a period, nearly
+    EXPECT_GE(known.count(), 5000) << distance << ' ' << anchor.u_px;
+    EXPECT_LE(static_cast<double>(wrong.count()), 0.01 * static_cast<double>(known.count()))
+        << distance << ' ' << anchor.u_px;
+  }
+}
+
 TEST(AnchoredRegions, EndAtStepsWhoseWholePeriodsThePhaseDoesNotShow) {
   const Rig rig = make_rig(false);
   for (const double distance : {640.0, 600.0, 565.0, 530.0}) {
     const Scene scene = card_before_wall(rig, sinusoid(Axis::y), distance);
-    for (const Anchor& anchor : {anchor_at(scene, 20, 40), anchor_at(scene, 140, 125)}) {
-      const DecodeResult result =
-          Decoder(rig, sinusoid(Axis::y), {}, {.anchors = {anchor}}).decode(scene.frame);
-      const auto known = result.range.z > 0;
-      const auto wrong = known && (result.range.z - scene.z).abs() > 8;  // half a period, nearly
-      EXPECT_GE(known.count(), 5000) << distance << ' ' << anchor.u_px;
-      EXPECT_LE(static_cast<double>(wrong.count()), 0.01 * static_cast<double>(known.count()))
-          << distance << ' ' << anchor.u_px;
-    }
+    expect_few_wrong_depths(rig, scene, distance);
   }
 }
 
@@ -107,15 +112,7 @@ TEST(AnchoredRegions, EndAtStepsBeforeAWallOfTheSameColour) {
     };
     Scene scene = render(rig, sinusoid(Axis::y), both);
     add_noise(scene.frame, 0.002, 5);
-    for (const Anchor& anchor : {anchor_at(scene, 20, 40), anchor_at(scene, 140, 125)}) {
-      const DecodeResult result =
-          Decoder(rig, sinusoid(Axis::y), {}, {.anchors = {anchor}}).decode(scene.frame);
-      const auto known = result.range.z > 0;
-      const auto wrong = known && (result.range.z - scene.z).abs() > 8;  // half a period, nearly
-      EXPECT_GE(known.count(), 5000) << distance << ' ' << anchor.u_px;
-      EXPECT_LE(static_cast<double>(wrong.count()), 0.01 * static_cast<double>(known.count()))
-          << distance << ' ' << anchor.u_px;
-    }
+    expect_few_wrong_depths(rig, scene, distance);
   }
 }
 
