@@ -55,7 +55,9 @@ Eigen::VectorXd seen_lack(const ProbedObject& object, const std::vector<std::siz
   const auto half = [&](std::size_t i) {
     return object.stiffness(static_cast<Eigen::Index>(i)) / 2;
   };
-  Eigen::Matrix4d normal = 1e-6 * Eigen::Matrix4d::Identity();
+  // Little beside the ones of a pair of contacts; keeps the law defined for few pairs.
+  constexpr double kRidge = 1e-6;
+  Eigen::Matrix4d normal = kRidge * Eigen::Matrix4d::Identity();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
   for (const std::size_t i : begun) {
     for (const std::size_t j : begun) {

@@ -54,8 +54,7 @@ InclusionBlock make_block(const std::string& name, int parts,
   body.materials = {{.shear_modulus = kSoftShear, .bulk_modulus = kBulkOverShear * kSoftShear},
                     {.shear_modulus = kStiffShear, .bulk_modulus = kBulkOverShear * kStiffShear}};
   for (Eigen::Index n = 0; n < body.mesh.nodes.cols(); ++n) {
-    if (body.mesh.nodes(2, n) >= kLayers.back() - 1e-6)
-      body.supported.push_back(static_cast<int>(n));
+    if (body.mesh.nodes(2, n) == kLayers.back()) body.supported.push_back(static_cast<int>(n));
   }
   probing::FiniteElementSpecimenOptions options;
   options.contact.tip_radius = kTipRadius;
