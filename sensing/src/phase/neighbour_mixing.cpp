@@ -28,35 +28,35 @@ constexpr float kLensBlur = 1;
   return upper > -largest ? upper : -largest;
 }
 
-/// One row; `phase` is the input of `out`.
-PALPATE_HOT_LOOP void unmix_along_row(const float* re, const float* im, const float* phase,
-                                      float variance, long columns, float* __restrict out,
+/// Values of pixels and of those on both sides, in a row or in a column.
+struct Neighbours {
+  const float* before;
+  const float* here;
+  const float* after;
+};
+
+/// `phase` is the input of `out`.
+PALPATE_HOT_LOOP void unmix_along_row(Neighbours re, Neighbours im, Neighbours phase,
+                                      float variance, long count, float* __restrict out,
                                       float* __restrict sigma) {
   const float steepest = 1 / std::sqrt(variance);
-  for (long i = 1; i < columns - 1; ++i) {
-    const float left = re[i - 1] * re[i - 1] + im[i - 1] * im[i - 1];
-    const float here = re[i] * re[i] + im[i] * im[i];
-    const float right = re[i + 1] * re[i + 1] + im[i + 1] * im[i + 1];
+  for (long i = 0; i < count; ++i) {
+    const float left = re.before[i] * re.before[i] + im.before[i] * im.before[i];
+    const float here = re.here[i] * re.here[i] + im.here[i] * im.here[i];
+    const float right = re.after[i] * re.after[i] + im.after[i] * im.after[i];
     const bool known = (left > 0) & (here > 0) & (right > 0);
     const float fade = limited((right - left) / (4 * here), steepest);
-    const float before = turned_back(phase[i] - phase[i - 1]);
-    const float after = turned_back(phase[i + 1] - phase[i]);
+    const float before = turned_back(phase.here[i] - phase.before[i]);
+    const float after = turned_back(phase.after[i] - phase.here[i]);
     const float bend = (after - before) / 2;
     const float s = sigma[i];
     const bool bent = variance * std::abs(bend) > kClearBend * s;
     const float mixed = fade * (before + after) / 2 + (bent ? bend : 0.0F);
     const float counted = known ? mixed : 0.0F;
-    out[i] = turned_back(phase[i] - variance * counted);
+    out[i] = turned_back(phase.here[i] - variance * counted);
     sigma[i] = std::sqrt(s * s + kLensBlur * kLensBlur * counted * counted);
   }
 }
-
-/// Values of three rows: above, here and below.
-struct ThreeRows {
-  const float* above;
-  const float* here;
-  const float* below;
-};
 
 /// The window that mixes.
 struct Mixing {
@@ -64,26 +64,26 @@ struct Mixing {
   float reach = 0;     ///< [px]
 };
 
-PALPATE_HOT_LOOP void unmix_down_window(ThreeRows re, ThreeRows im, ThreeRows phase,
-                                        ThreeRows deviation, Mixing window, long columns,
+PALPATE_HOT_LOOP void unmix_down_window(Neighbours re, Neighbours im, Neighbours phase,
+                                        Neighbours deviation, Mixing window, long columns,
                                         float* __restrict out, float* __restrict sigma) {
   const float share = window.variance / (window.reach * window.reach);
   const float steepest = 1 / std::sqrt(share);
   for (long i = 0; i < columns; ++i) {
-    const float above = re.above[i] * re.above[i] + im.above[i] * im.above[i];
+    const float above = re.before[i] * re.before[i] + im.before[i] * im.before[i];
     const float here = re.here[i] * re.here[i] + im.here[i] * im.here[i];
-    const float below = re.below[i] * re.below[i] + im.below[i] * im.below[i];
+    const float below = re.after[i] * re.after[i] + im.after[i] * im.after[i];
     const bool known = (above > 0) & (here > 0) & (below > 0);
     const float fade = limited((below - above) / (4 * here), steepest);
-    const float before = turned_back(phase.here[i] - phase.above[i]);
-    const float after = turned_back(phase.below[i] - phase.here[i]);
+    const float before = turned_back(phase.here[i] - phase.before[i]);
+    const float after = turned_back(phase.after[i] - phase.here[i]);
     const float turn = after - before;
     // A' / A phi' + phi'' / 2, times the square of the reach.
     const float bend = fade * (before + after) / 2 + turn / 2;
     const float s = deviation.here[i];
     const float noise =
         s * s +
-        (deviation.above[i] * deviation.above[i] + deviation.below[i] * deviation.below[i]) / 4;
+        (deviation.before[i] * deviation.before[i] + deviation.after[i] * deviation.after[i]) / 4;
     const float counted = bend * bend / (bend * bend + kHalfBend * kHalfBend * noise);
     const bool bent = known & (noise > 0) & (std::abs(turn) < kLargestBend);
     const float mixed = bent ? share * counted * bend : 0.0F;
@@ -115,7 +115,7 @@ void unmix_window(const PhaseSignal& signal, const DemodulationFilter& filter, P
     sigmas.keep(sigma, row);
     if (row < reach) continue;
     const auto rows = [&](const Plane& image) {
-      return ThreeRows{&image(row - reach, 0), &image(row, 0), &image(row + reach, 0)};
+      return Neighbours{&image(row - reach, 0), &image(row, 0), &image(row + reach, 0)};
     };
     unmix_down_window(rows(signal.combined.re), rows(signal.combined.im),
                       {phases.at(row - reach), phases.at(row), &wrapped(row + reach, 0)},
@@ -135,11 +135,15 @@ void unmix_neighbours(const PhaseSignal& signal, const DemodulationFilter& filte
                       Plane& sigma) {
   const auto variance = static_cast<float>(filter.row_variance());
   const long columns = wrapped.cols();
-  std::vector<float> before(static_cast<std::size_t>(columns));
+  std::vector<float> former(static_cast<std::size_t>(columns));
   for (long row = 0; row < wrapped.rows(); ++row) {
-    std::copy_n(&wrapped(row, 0), columns, before.data());
-    unmix_along_row(&signal.combined.re(row, 0), &signal.combined.im(row, 0), before.data(),
-                    variance, columns, &wrapped(row, 0), &sigma(row, 0));
+    std::copy_n(&wrapped(row, 0), columns, former.data());
+    const auto inner = [](const float* values) {
+      return Neighbours{values, values + 1, values + 2};
+    };
+    unmix_along_row(inner(&signal.combined.re(row, 0)), inner(&signal.combined.im(row, 0)),
+                    inner(former.data()), variance, columns - 2, &wrapped(row, 0) + 1,
+                    &sigma(row, 0) + 1);
   }
   unmix_window(signal, filter, wrapped, sigma);
 }

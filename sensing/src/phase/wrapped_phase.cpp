@@ -66,8 +66,9 @@ PALPATE_HOT_LOOP void take_differences(const float* phase, const float* other,
   }
 }
 
-PALPATE_HOT_LOOP void add_neighbours(const float* in, float* __restrict out, long pixels) {
-  for (long i = 0; i < pixels; ++i) out[i] = in[i - 1] + in[i] + in[i + 1];
+PALPATE_HOT_LOOP void add_three(const float* left, const float* here, const float* right,
+                                float* __restrict sum, long pixels) {
+  for (long i = 0; i < pixels; ++i) sum[i] = left[i] + here[i] + right[i];
 }
 
 /// Adds the variance over three rows of moments.
@@ -110,7 +111,8 @@ class DirectionRows {
     take_differences(phase, other, inside, other_inside, first, first + stride, first + 2 * stride,
                      pixels);
     for (long moment = 0; moment < kMoments; ++moment) {
-      add_neighbours(first + moment * stride, sums_[2].data() + moment * columns_, columns_);
+      const float* here = first + moment * stride;
+      add_three(here - 1, here, here + 1, sums_[2].data() + moment * columns_, columns_);
     }
   }
   /// Advances by one row to a row without differences.

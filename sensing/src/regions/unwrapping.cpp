@@ -167,28 +167,42 @@ PALPATE_HOT_LOOP void assign_roles(const int* core, const int* part, const int* 
   }
 }
 
-/// Finds the seeds of a row, between those above and below, that have waiting neighbours.
-PALPATE_HOT_LOOP void find_borders(const std::uint8_t* role, const std::uint8_t* above,
-                                   const std::uint8_t* below, std::uint8_t* __restrict border,
-                                   long columns) {
-  const auto is_border = [&](long i, long left, long right) {
-    const bool waiting = waits(role[left]) | waits(role[right]) | waits(above[i]) | waits(below[i]);
-    return static_cast<std::uint8_t>((role[i] == kSeed) & waiting ? 1 : 0);
-  };
-  const long last = columns - 1;
-  border[0] = is_border(0, 0, last > 0 ? 1 : 0);
-  for (long i = 1; i < last; ++i) border[i] = is_border(i, i - 1, i + 1);
-  border[last] = is_border(last, last > 0 ? last - 1 : 0, last);
+/// The neighbours of pixels; a pixel itself where it has none.
+struct FourSides {
+  const std::uint8_t* left;
+  const std::uint8_t* right;
+  const std::uint8_t* above;
+  const std::uint8_t* below;
+};
+
+/// Finds the seeds that have waiting neighbours.
+PALPATE_HOT_LOOP void find_borders(const std::uint8_t* role, FourSides sides,
+                                   std::uint8_t* __restrict border, long count) {
+  for (long i = 0; i < count; ++i) {
+    const bool waiting = waits(sides.left[i]) | waits(sides.right[i]) | waits(sides.above[i]) |
+                         waits(sides.below[i]);
+    border[i] = static_cast<std::uint8_t>((role[i] == kSeed) & waiting ? 1 : 0);
+  }
 }
 
 /// Queues the seeds that have waiting neighbours.
 void queue_seeds(const Mask& ranks, const Mask& roles, VarianceQueue& queue) {
   const long columns = roles.cols();
+  const long last = columns - 1;
+  const long beside = std::min(1L, last);
   std::vector<std::uint8_t> border(static_cast<std::size_t>(columns));
   for (long row = 0; row < roles.rows(); ++row) {
     const std::uint8_t* const role = &roles(row, 0);
-    find_borders(role, row > 0 ? role - columns : role,
-                 row + 1 < roles.rows() ? role + columns : role, border.data(), columns);
+    const long up = row > 0 ? columns : 0;
+    const long down = row + 1 < roles.rows() ? columns : 0;
+    const auto find = [&](long first, long left, long right, long count) {
+      const std::uint8_t* here = role + first;
+      find_borders(here, {here - left, here + right, here - up, here + down}, border.data() + first,
+                   count);
+    };
+    find(0, 0, beside, 1);
+    find(beside, 1, 1, columns - 2);
+    find(last, beside, 0, 1);
     for (long column = 0; column < columns; ++column) {
       if (border[static_cast<std::size_t>(column)] == 0) continue;
       queue.push(static_cast<int>(row * columns + column), ranks(row, column));
