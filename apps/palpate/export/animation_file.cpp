@@ -11,6 +11,7 @@
 #include "palpate/geometry/mesh_animation.h"
 #include "palpate/geometry/mesh_io.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 #include "surfaces/motion_sequence.h"
 #include "surfaces/track_record.h"
 
@@ -19,7 +20,6 @@ namespace {
 
 /// [Hz] Pages begin to play at this rate too.
 constexpr double kUsualRate = 5;
-constexpr double kMegabyte = 1e6;  // bytes
 
 geometry::MeshAnimation read_animation(const std::vector<MotionFrame>& frames, double rate,
                                        const geometry::ReadOptions& options) {
@@ -69,11 +69,10 @@ std::string write_animation(const PageCall& page, const fs::path& output,
       read_animation(frames, rate.value_or(kUsualRate), page.meshes);
   geometry::write_mesh_animation(output, animation);
   return fmt::format(
-      "{} frames of {} vertices in {:.3g} s{}, {:.1f} MB{}", frames.size(),
+      "{} frames of {} vertices in {:.3g} s{}, {}{}", frames.size(),
       animation.first.mesh.vertices.cols(), animation.times.back(),
       rate ? "" : fmt::format(" ({:g} frames per second; --rate sets another rate)", kUsualRate),
-      static_cast<double>(fs::file_size(output)) / kMegabyte,
-      lost_in_words(lost_frames(page.input)));
+      megabytes(fs::file_size(output)), lost_in_words(lost_frames(page.input)));
 }
 
 }  // namespace palpate::apps

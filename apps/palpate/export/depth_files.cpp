@@ -77,11 +77,8 @@ bool is_camera_there(const fs::path& file, const geometry::Camera& camera,
   if (!is_there(file)) return false;
   constexpr double kRounding = 1e-12;
   const sensing::CameraFile there = sensing::read_camera_file(file);
-  const geometry::Camera& other = there.camera;
   const double unit = written_unit(formats);
-  const bool is_same = other.width == camera.width && other.height == camera.height &&
-                       other.fx == camera.fx && other.fy == camera.fy && other.cx == camera.cx &&
-                       other.cy == camera.cy && other.distortion == camera.distortion;
+  const bool is_same = there.camera == camera;
   const bool has_unit =
       !formats.png || std::abs(there.mm_per_unit.value_or(unit) - unit) <= kRounding * unit;
   if (is_same && has_unit) return true;

@@ -15,6 +15,7 @@
 #include "palpate/geometry/packed_image.h"
 #include "shared/command_line.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -193,11 +194,9 @@ std::string write_mesh_page(const fs::path& output, const std::vector<fs::path>&
                           .pack = [&](const fs::path& mesh) {
                             return pack_mesh(geometry::read_mesh_file(mesh, options), survey);
                           }});
-  return fmt::format(
-      "{} mesh{} of {} vertices and {} triangles, {:.1f} MB; coordinates are rounded "
-      "to {:g} mm",
-      meshes.size(), meshes.size() == 1 ? "" : "es", survey.first.vertices.cols(),
-      survey.first.triangles.cols(), static_cast<double>(bytes) * 1e-6, survey.step);
+  return fmt::format("{} of {} vertices and {} triangles, {}; coordinates are rounded to {:g} mm",
+                     counted(meshes.size(), "mesh", "meshes"), survey.first.vertices.cols(),
+                     survey.first.triangles.cols(), megabytes(bytes), survey.step);
 }
 
 }  // namespace palpate::apps

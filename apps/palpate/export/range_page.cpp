@@ -15,6 +15,7 @@
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/reason_image.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -214,9 +215,8 @@ std::string write_range_page(const fs::path& output, const std::vector<fs::path>
   const bool exact = camera.scale.has_value();
   const bool below_noise =
       !survey.sigma.is_empty() && survey.step <= kStepOfSigma * survey.sigma.min();
-  return fmt::format("{} {}{}, {:.1f} MB; depths are {}{}", maps.size(),
-                     exact ? "depth image" : "range map", maps.size() == 1 ? "" : "s",
-                     static_cast<double>(bytes) * 1e-6,
+  return fmt::format("{}, {}; depths are {}{}",
+                     counted(maps.size(), exact ? "depth image" : "range map"), megabytes(bytes),
                      exact ? "exact" : fmt::format("rounded to {:g} um", 1000 * survey.step),
                      below_noise ? ", at most a tenth of any predicted deviation" : "");
 }

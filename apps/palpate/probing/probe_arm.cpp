@@ -197,9 +197,8 @@ class MovingCampaignArm final : public CampaignArm {
 
 /// A description with the members that its kind of arm needs.
 Json checked_description(const std::string& text, const std::string& source) {
-  Json json = Json::parse(text, nullptr, false);
+  const Json json = Json::parse(text, nullptr, false);
   const auto has = [&](const char* name) { return json.contains(name) && json[name].is_string(); };
-  if (json.is_object() && !json.contains("arm")) json["arm"] = kQuasiStatic;  // of version 0.1.0
   bool whole = json.is_object() && has("arm");
   if (whole) {
     const auto kind = json["arm"].get<std::string>();

@@ -90,6 +90,11 @@ std::string newtons(double force, int decimals) {
                                   : fmt::format("{:.{}g} N", force, kDigits);
 }
 
+std::string megabytes(std::uintmax_t bytes) {
+  constexpr double kMegabyte = 1e6;  // bytes
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / kMegabyte);
+}
+
 std::string worst_lines(const std::vector<std::string>& lines, const std::vector<double>& errors) {
   constexpr std::size_t kPrinted = 3;
   if (lines.size() <= kPrinted || spdlog::should_log(spdlog::level::info))

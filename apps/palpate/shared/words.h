@@ -3,6 +3,7 @@
 #pragma once
 
 #include <concepts>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ template <std::integral Count>
 /// "0.0344 N"; of a force below 0.01 N three significant digits, "0.000344 N". With other decimal
 /// places, three digits as well below what these show.
 [[nodiscard]] std::string newtons(double force, int decimals = 4);
+
+/// "1.5 MB", of 10^6 bytes each.
+[[nodiscard]] std::string megabytes(std::uintmax_t bytes);
 
 /// The lines of a list that are printed: those with the largest errors, the largest first, and
 /// their number of all; with -v, all in their order.

@@ -32,16 +32,6 @@ Rig awkward_rig() {
   return rig;
 }
 
-void expect_same_lens(const geometry::Camera& a, const geometry::Camera& b) {
-  EXPECT_EQ(a.width, b.width);
-  EXPECT_EQ(a.height, b.height);
-  EXPECT_EQ(a.fx, b.fx);
-  EXPECT_EQ(a.fy, b.fy);
-  EXPECT_EQ(a.cx, b.cx);
-  EXPECT_EQ(a.cy, b.cy);
-  EXPECT_EQ(a.distortion, b.distortion);
-}
-
 TEST(Rig, IsWrittenAsYamlThatStricterReadersTake) {
   const ScratchFolder folder;
   write_rig(folder / "rig.yaml", awkward_rig());
@@ -57,8 +47,8 @@ TEST(Rig, SurvivesWritingAndReadingExactly) {
   const Rig rig = awkward_rig();
   write_rig(folder / "rig.yaml", rig);
   const Rig again = read_rig(folder / "rig.yaml");
-  expect_same_lens(rig.camera, again.camera);
-  expect_same_lens(rig.projector, again.projector);
+  EXPECT_EQ(rig.camera, again.camera);
+  EXPECT_EQ(rig.projector, again.projector);
   EXPECT_EQ(rig.T_projector_camera.matrix(), again.T_projector_camera.matrix());
   EXPECT_EQ(rig.red.alpha, again.red.alpha);
   EXPECT_EQ(rig.red.gamma, again.red.gamma);

@@ -25,6 +25,8 @@ struct Camera {
   double cy = 0;   ///< px
   /// k1 k2 p1 p2 k3 k4 k5 k6, zero where absent.
   std::array<double, 8> distortion{};
+
+  [[nodiscard]] bool operator==(const Camera&) const = default;
 };
 
 /// Checks a camera.
