@@ -17,7 +17,8 @@ HEAD = """# Options
 
 The options of the library, struct by struct. A field has one name: `min_signal` as a keyword argument in Python, in scene files
 and in the C interface, `--min-signal` on the command line and `min-signal` in project files. A flag that is True by default is
-switched off by `--no-NAME`, and a table is given row by row (`--anchor 320,240,705`). In C++ it is the member of the struct, except
+switched off by `--no-NAME`, and a table is given row by row (`--anchor 320,240,705`). An option with another name stands behind
+the meaning. In C++ it is the member of the struct, except
 for some fields of `BuildOptions`: `accuracy`, `passive` (`mode`), `max_bases`, `try_certified`, `compare_always` and
 `displacement_noise` are in its `fit`, and `blend` is `blend_rule`.
 Angles are in radian (rad); on the command line and in project files they are in degrees.
@@ -58,7 +59,7 @@ def keywords_of_functions():
 
 
 def option(field):
-    return ("--no-" if field["default"] == "True" else "--") + (field["item"] or field["name"]).replace("_", "-")
+    return ("--no-" if field["default"] == "True" else "--") + (field["option"] or field["name"]).replace("_", "-")
 
 
 def choices(field):
@@ -83,7 +84,7 @@ def page(program):
         text += "| field | default | range | unit | meaning |\n|---|---|---|---|---|\n"
         for field in fields:
             expert = " *(expert)*" if field["expert"] else ""
-            meaning = field["description"].replace("|", "\\|")
+            meaning = field["description"].replace("|", "\\|") + (f" (`{option(field)}`)" if field["option"] else "")
             text += f"| `{field['name']}` | {field['default']} | {field['range'] or choices(field)} | {field['unit']} | {meaning}{expert} |\n"
     return text
 

@@ -70,10 +70,10 @@ class Remeshing(_Result):
 def remesh(
     mesh: TriangleMesh,
     *,
-    edge_length: float,
-    feature_angle: float = ...,
-    iterations: int = ...,
     progress: _Progress = ...,
+    edge_length: float | None = ...,
+    feature_angle: float = ...,
+    max_triangles: int = ...,
 ) -> Remeshing: ...
 
 class RepairedMesh(_Result):
@@ -349,7 +349,9 @@ class FilledMesh(_Result):
     @property
     def left(self) -> int: ...
 
-def fill_holes(mesh: TriangleMesh, max_diameter: float, *, progress: _Progress = ...) -> FilledMesh: ...
+def fill_holes(
+    mesh: TriangleMesh, *, progress: _Progress = ..., max_diameter: float | None = ...
+) -> FilledMesh: ...
 def smooth(
     mesh: TriangleMesh, *, iterations: int = ..., pass_band: float = ..., keep_border: bool = ...
 ) -> TriangleMesh: ...
@@ -491,6 +493,7 @@ class Rig(_Result):
     def projector(self) -> Camera: ...
     @property
     def T_projector_camera(self) -> _Float64: ...
+    def write(self, path: _Path) -> None: ...
 
 class Pattern(_Result):
     @property
@@ -602,6 +605,79 @@ def decode_multishot(
     max_phase_variance: float = ...,
     max_sensitivity: float = ...,
 ) -> MultishotResult: ...
+
+class LiveCamera(metaclass=_Class):
+    def __init__(
+        self,
+        name: str,
+        *,
+        size: tuple[int, int] | None = ...,
+        pixel_format: str = ...,
+        rate: float | None = ...,
+        exposure_us: float | None = ...,
+        gain: float | None = ...,
+    ) -> None: ...
+    def next(
+        self, wait: float = ...
+    ) -> tuple[npt.NDArray[np.uint8] | npt.NDArray[np.uint16], int, float] | None: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
+class RigView(metaclass=_Class):
+    def __init__(
+        self, name: str, *, board: _Numbers, camera: _Numbers, lit_camera: _Numbers, projector: _Numbers
+    ) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def board(self) -> _Float64: ...
+    @property
+    def camera(self) -> _Float64: ...
+    @property
+    def lit_camera(self) -> _Float64: ...
+    @property
+    def projector(self) -> _Float64: ...
+
+def read_rig_views(
+    folders: Sequence[_Path],
+    projector_size: tuple[int, int],
+    *,
+    columns: int,
+    rows: int,
+    square: float,
+    marker: float = ...,
+    marker_bits: int = ...,
+    progress: _Progress = ...,
+) -> tuple[list[RigView], tuple[int, int]]: ...
+
+class RigCalibration(_Result):
+    @property
+    def rig(self) -> Rig: ...
+    @property
+    def camera_rms(self) -> float: ...
+    @property
+    def projector_rms(self) -> float: ...
+    @property
+    def stereo_rms(self) -> float: ...
+    @property
+    def depth_deviation(self) -> float: ...
+    @property
+    def advice(self) -> list[str]: ...
+    @property
+    def views(self) -> list[tuple[str, float, float]]: ...
+    @property
+    def rejected(self) -> list[tuple[str, str]]: ...
+
+def calibrate_rig(
+    views: Sequence[RigView],
+    camera_size: tuple[int, int],
+    projector_size: tuple[int, int],
+    *,
+    distortion_terms: int = ...,
+    max_residual_ratio: float = ...,
+    max_focal_deviation: float = ...,
+    min_tilt: float = ...,
+) -> RigCalibration: ...
 
 class Body(metaclass=_Class):
     def __init__(
@@ -1030,6 +1106,9 @@ def map_surface(
     target_landmarks: _Numbers,
     *,
     max_bad_share: float = ...,
+    max_area_distortion: float = ...,
+    max_angle_distortion: float = ...,
+    max_landmark_distance: float = ...,
 ) -> SurfaceMap: ...
 def transfer_model(
     model: Model, target: TriangleMesh, map: SurfaceMap, *, forces: _Forces = ...
@@ -1045,6 +1124,27 @@ class Specimen(metaclass=_Class):
     def friction_cone(self, contact: _Numbers) -> tuple[_Float64, float]: ...
 
 def read_specimen(path: _Path) -> Specimen: ...
+
+class KnownForces(_Result):
+    @property
+    def contacts(self) -> _Float64: ...
+    @property
+    def displacements(self) -> _Float64: ...
+    @property
+    def forces(self) -> _Float64: ...
+    @property
+    def unanswered(self) -> _Float64: ...
+
+def known_forces(
+    specimen: Specimen,
+    *,
+    progress: _Progress = ...,
+    queries: int = ...,
+    margin: float = ...,
+    max_force: float = ...,
+    seed: int = ...,
+    least_force: float = ...,
+) -> KnownForces: ...
 
 class ContactPlan(_Result):
     @property
@@ -1192,3 +1292,46 @@ class Playback(metaclass=_Class):
     ) -> None: ...
     def step(self, tool: _Numbers, state: LoopState, seconds: float = ...) -> Command: ...
     def play(self, tools: _Numbers, times: _Numbers | None = ...) -> Trace: ...
+
+class DeviceReport(_Result):
+    @property
+    def ticks(self) -> int: ...
+    @property
+    def states(self) -> dict[str, int]: ...
+    @property
+    def safety(self) -> dict[str, int]: ...
+    @property
+    def largest_force(self) -> float: ...
+    @property
+    def largest_displacement(self) -> float: ...
+    @property
+    def coupling_stiffness(self) -> float: ...
+    @property
+    def given_energy(self) -> float: ...
+
+def play_device(
+    playback: Playback,
+    tools: _Numbers,
+    times: _Numbers | None = ...,
+    *,
+    device: Literal["hand", "scripted", "recorded"] = ...,
+    coupling: float | None = ...,
+    record: _Path | None = ...,
+    max_force: float = ...,
+    slew: float = ...,
+    ramp: float = ...,
+    heating_time: float = ...,
+    continuous_force: float = ...,
+    max_torque: float = ...,
+    crossfade: float = ...,
+    oldest_state: float = ...,
+    lease: float = ...,
+    mass: float = ...,
+    damping: float = ...,
+    friction: float = ...,
+    stiffness: float = ...,
+    encoder_step: float = ...,
+    delay: int = ...,
+    rate: float = ...,
+) -> DeviceReport: ...
+def read_device_trace(path: _Path) -> Trace: ...

@@ -25,6 +25,9 @@ void add_geodesics(py::module_& module);
 void add_scans(py::module_& module);
 void add_tracking(py::module_& module);
 void add_sensing(py::module_& module);
+void add_cameras(py::module_& module);
+/// Calibration of a rig.
+void add_calibration(py::module_& module);
 /// Simulated measurements of a rig.
 void add_rig_trial(py::module_& module);
 void add_probing(py::module_& module);
@@ -34,6 +37,7 @@ void add_fitting(py::module_& module);
 void add_evaluation(py::module_& module);
 void add_derived_models(py::module_& module);
 void add_playback(py::module_& module);
+void add_device(py::module_& module);
 
 /// Options follow `*` and are given by name.
 using py::arg;

@@ -9,6 +9,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "fields.h"
+#include "long_work.h"
 #include "palpate/geometry/surface_map.h"
 #include "palpate/haptics/error_forecast.h"
 #include "palpate/haptics/merge_models.h"
@@ -52,23 +53,17 @@ void add_merging_of_models(py::module_& module) {
       .def_readonly("components", &MergedModel::components,
                     "Pieces of the merged surface. More than the object has mean that the models "
                     "do not overlap.");
-  MergeModelsOptions usual;
-  const std::string doc = described(
-      "merge_models(models: Sequence[Model], *, poses: Sequence[ArrayLike] = ()", "MergedModel",
+  def_with_options<MergeModelsOptions>(
+      module, "merge_models(models: Sequence[Model], *, poses: Sequence[ArrayLike] = ()",
+      "MergedModel",
       R"(Merges models of several sides of an object into one, as `palpate merge` does.
 
 poses: a (4, 4) matrix for each model, from its frame to that of the object; without them, all
 models are in one frame. Registration.T_target_source is one.
 Raises InvalidInput or SolverError. Ctrl-C is not heard.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "merge_models",
       [](const std::vector<Model>& models, const std::vector<py::object>& poses,
          const py::kwargs& keywords) {
-        MergeModelsOptions options;
-        set_fields(fields_of(options), keywords);
+        const auto options = options_from<MergeModelsOptions>(keywords);
         if (!poses.empty() && poses.size() != models.size()) {
           throw InvalidInput("poses: there are " + std::to_string(poses.size()) +
                              "; there must be one for each of the " +
@@ -84,7 +79,7 @@ Raises InvalidInput or SolverError. Ctrl-C is not heard.)",
         const Unlocked unlocked;
         return haptics::merge_models(sides, options);
       },
-      arg("models"), kw_only(), arg("poses") = py::tuple(), doc.c_str());
+      arg("models"), kw_only(), arg("poses") = py::tuple());
 }
 
 void add_reduction(py::module_& module) {
@@ -113,8 +108,8 @@ void add_reduction(py::module_& module) {
       .def_readonly("size_before", &ReducedModel::size_before, "[bytes] of the model folder.")
       .def_readonly("size_after", &ReducedModel::size_after,
                     "[bytes] of that of the reduced model.");
-  haptics::ReduceOptions usual;
-  const std::string doc = described(
+  def_with_options<haptics::ReduceOptions>(
+      module,
       "reduce_model(model: Model, *, reachable: ArrayLike | None = None, progress: Callable | None "
       "= "
       "None",
@@ -124,15 +119,9 @@ void add_reduction(py::module_& module) {
 reachable: a truth value for each vertex of the surface; without it, the tool can be anywhere.
 progress: called as progress(done, total) after each model that is tried; Ctrl-C is heard then.
 Raises InvalidInput.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "reduce_model",
       [](const Model& model, const std::optional<std::vector<bool>>& reachable,
          const py::object& progress, const py::kwargs& keywords) {
-        haptics::ReduceOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<haptics::ReduceOptions>(keywords);
         if (reachable && reachable->empty())
           throw InvalidInput("reachable: is empty; it must have a value for each vertex");
         if (reachable) options.reachable = *reachable;
@@ -140,8 +129,7 @@ Raises InvalidInput.)",
         options.progress = work.report();
         return work.run([&] { return haptics::reduce_model(model, options); });
       },
-      arg("model"), kw_only(), arg("reachable") = py::none(), arg("progress") = py::none(),
-      doc.c_str());
+      arg("model"), kw_only(), arg("reachable") = py::none(), arg("progress") = py::none());
 }
 
 void add_forecast(py::module_& module) {
@@ -226,24 +214,26 @@ void add_transfer(py::module_& module) {
                     "Share of the source's area that is distorted or folded.")
       .def_readonly("landmark_rms", &SurfaceMap::landmark_rms,
                     "[mm] between images of landmarks and their targets.");
-  module.def(
-      "map_surface",
+  def_with_options<geometry::SurfaceMapOptions>(
+      module,
+      "map_surface(source: TriangleMesh, target: TriangleMesh, source_landmarks: ArrayLike, "
+      "target_landmarks: ArrayLike, *",
+      "SurfaceMap",
+      R"(Maps a surface onto another of the same topology, guided by at least three pairs of points.
+
+source_landmarks, target_landmarks: [mm] (L, 3) corresponding points.
+Raises InvalidInput or SolverError. Ctrl-C is not heard.)",
       [](const geometry::TriangleMesh& source, const geometry::TriangleMesh& target,
          const py::object& source_landmarks, const py::object& target_landmarks,
-         double max_bad_share) {
+         const py::kwargs& keywords) {
+        const auto options = options_from<geometry::SurfaceMapOptions>(keywords);
         const geometry::Landmarks landmarks{
             .source = Points(source_landmarks, "source_landmarks").columns(),
             .target = Points(target_landmarks, "target_landmarks").columns()};
         const Unlocked unlocked;
-        return geometry::map_surface(source, target, landmarks, {.max_bad_share = max_bad_share});
+        return geometry::map_surface(source, target, landmarks, options);
       },
-      arg("source"), arg("target"), arg("source_landmarks"), arg("target_landmarks"), kw_only(),
-      arg("max_bad_share") = geometry::SurfaceMapOptions{}.max_bad_share,
-      R"(Maps a surface onto another of the same topology, guided by at least three pairs of points.
-
-source_landmarks, target_landmarks: [mm] (L, 3) corresponding points.
-max_bad_share: a map that distorts or folds more than this share of the area is not sensible.
-Raises InvalidInput or SolverError. Ctrl-C is not heard.)");
+      arg("source"), arg("target"), arg("source_landmarks"), arg("target_landmarks"));
   module.def(
       "transfer_model",
       [](const Model& model, const geometry::TriangleMesh& target, const SurfaceMap& map,

@@ -74,8 +74,8 @@ void add_query_errors(py::module_& module) {
           "scale", &QueryErrors::scale,
           "Factor of the model's forces with which the errors would be least. Far from 1, "
           "the queries may have other signs or units.");
-  QueryOptions usual;
-  const std::string doc = described(
+  def_with_options<QueryOptions>(
+      module,
       "evaluate(model: Model, contacts: ArrayLike, displacements: ArrayLike, forces: ArrayLike, *",
       "QueryErrors",
       R"(Compares a model with known forces, as `palpate evaluate --queries` does.
@@ -84,20 +84,14 @@ contacts: [mm] (N, 3) places on the undeformed surface.
 displacements: [mm] (N, 3) tool minus contact.
 forces: [N] (N, 3) of the tool on the object.
 Raises InvalidInput.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "evaluate",
       [](const Model& model, const py::object& contacts, const py::object& displacements,
          const py::object& forces, const py::kwargs& keywords) {
-        QueryOptions options;
-        set_fields(fields_of(options), keywords);
+        const auto options = options_from<QueryOptions>(keywords);
         const std::vector<haptics::Query> queries = queries_of(contacts, displacements, forces);
         const Unlocked unlocked;
         return haptics::evaluate_queries(model, queries, options);
       },
-      arg("model"), arg("contacts"), arg("displacements"), arg("forces"), doc.c_str());
+      arg("model"), arg("contacts"), arg("displacements"), arg("forces"));
 }
 
 void add_leave_one_out(py::module_& module) {
@@ -129,8 +123,8 @@ void add_leave_one_out(py::module_& module) {
             return gather_rows(errors.suggested, [](const auto& place) { return place.position; });
           },
           "[mm] (N, 3) where one more contact would reduce the error most, the best first.");
-  LeaveOneOutOptions usual;
-  const std::string doc = described(
+  def_with_options<LeaveOneOutOptions>(
+      module,
       "leave_one_out(model: Model, acquisition: Acquisition, *, progress: Callable | None = None",
       "LeaveOneOut",
       R"(Predicts the samples of each contact from the other contacts, as `palpate evaluate --leave-one-out` does.
@@ -138,20 +132,14 @@ void add_leave_one_out(py::module_& module) {
 acquisition: the measurements that the model was fitted to.
 progress: called as progress(done, total) after each contact; Ctrl-C is heard then.
 Raises InvalidInput.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "leave_one_out",
       [](const Model& model, const CheckedAcquisition& acquisition, const py::object& progress,
          const py::kwargs& keywords) {
-        LeaveOneOutOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<LeaveOneOutOptions>(keywords);
         LongWork work(progress);
         options.progress = work.report();
         return work.run([&] { return haptics::leave_one_out(model, acquisition, options); });
       },
-      arg("model"), arg("acquisition"), kw_only(), arg("progress") = py::none(), doc.c_str());
+      arg("model"), arg("acquisition"), kw_only(), arg("progress") = py::none());
 }
 
 void add_identification(py::module_& module) {
@@ -187,8 +175,8 @@ void add_identification(py::module_& module) {
       .def_readonly("displacement_noise", &Identification::displacement_noise,
                     "[mm] as given or estimated.")
       .def_readonly("force_noise", &Identification::force_noise, "[N] as given or estimated.");
-  haptics::IdentifyOptions usual;
-  const std::string doc = described(
+  def_with_options<haptics::IdentifyOptions>(
+      module,
       "identify(acquisition: Acquisition, model: Literal['strip', 'half-space'] = 'strip', *, "
       "tool_radius: float | None = None",
       "Identification",
@@ -197,15 +185,9 @@ void add_identification(py::module_& module) {
 model: 'strip', a sheet stretched between two supports; 'half-space', a large elastic body.
 tool_radius: [mm] of the tool's flat end, for the half-space.
 Raises InvalidInput or SolverError; warns (UserWarning) of suspicious measurements.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "identify",
       [](const CheckedAcquisition& acquisition, const std::string& model,
          const std::optional<double>& tool_radius, const py::kwargs& keywords) {
-        haptics::IdentifyOptions options;
-        set_fields(fields_of(options), keywords);
+        const auto options = options_from<haptics::IdentifyOptions>(keywords);
         enum class Law { strip, half_space };
         const Law law =
             choose<Law>("model", model, {{"strip", Law::strip}, {"half-space", Law::half_space}});
@@ -217,8 +199,7 @@ Raises InvalidInput or SolverError; warns (UserWarning) of suspicious measuremen
                    ? haptics::identify_strip(acquisition, options).report
                    : haptics::identify_half_space(acquisition, *tool_radius, options).report;
       },
-      arg("acquisition"), arg("model") = "strip", kw_only(), arg("tool_radius") = py::none(),
-      doc.c_str());
+      arg("acquisition"), arg("model") = "strip", kw_only(), arg("tool_radius") = py::none());
 }
 
 struct MaterialFound {
@@ -250,7 +231,8 @@ void add_solid_identification(py::module_& module) {
           "Ids of contacts that the tip cannot reach on the solid.");
   haptics::SolidOptions usual;
   haptics::IdentifyOptions usual_estimate;
-  const std::string doc = described(
+  def_with_fields(
+      module, fields_of_both(usual, usual_estimate),
       "identify_solid(acquisition: Acquisition, specimen: Specimen, *, progress: Callable | None = "
       "None",
       "IdentifiedSolid",
@@ -259,24 +241,11 @@ void add_solid_identification(py::module_& module) {
 specimen: of the type finite_elements; its geometry, supports and regions are known.
 progress: called as progress(done, total) after each equilibrium; Ctrl-C is heard then.
 Raises InvalidInput or SolverError; warns (UserWarning) of suspicious measurements.)",
-      [&](FieldVisitor& visitor) {
-        visit(usual, visitor);
-        visit(usual_estimate, visitor);
-      });
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "identify_solid",
       [](const CheckedAcquisition& acquisition, const Specimen& specimen,
          const py::object& progress, const py::kwargs& keywords) {
         haptics::SolidOptions solid;
         haptics::IdentifyOptions options;
-        set_fields(
-            [&](FieldVisitor& visitor) {
-              visit(solid, visitor);
-              visit(options, visitor);
-            },
-            keywords);
+        set_fields(fields_of_both(solid, options), keywords);
         check_plausible("identify_solid()", acquisition);
         const std::string source = "specimen";
         LongWork work(progress);
@@ -292,7 +261,7 @@ Raises InvalidInput or SolverError; warns (UserWarning) of suspicious measuremen
                          source);
         return result;
       },
-      arg("acquisition"), arg("specimen"), kw_only(), arg("progress") = py::none(), doc.c_str());
+      arg("acquisition"), arg("specimen"), kw_only(), arg("progress") = py::none());
 }
 
 }  // namespace

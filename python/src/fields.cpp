@@ -162,7 +162,7 @@ py::list option_lists() {
   for (const auto& [type, described] : describer.lists) {
     py::list fields;
     for (const auto& [field, type_of_value, usual, range] : described) {
-      fields.append(py::dict(arg("name") = field.name, arg("item") = field.item,
+      fields.append(py::dict(arg("name") = field.name, arg("option") = field.option,
                              arg("unit") = field.unit, arg("description") = field.description,
                              arg("expert") = field.expert, arg("type") = type_of_value,
                              arg("default") = usual, arg("range") = range));

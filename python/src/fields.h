@@ -22,6 +22,44 @@ void set_fields(const FieldList& fields, const py::kwargs& given);
 [[nodiscard]] std::string described(const std::string& call, const std::string& result,
                                     const std::string& text, const FieldList& list);
 
+/// The options that the keyword arguments of a call give; others have their defaults.
+template <typename Options>
+[[nodiscard]] Options options_from(const py::kwargs& given) {
+  Options options;
+  set_fields(fields_of(options), given);
+  return options;
+}
+
+/// The fields of two structs that one call takes.
+template <typename First, typename Second>
+[[nodiscard]] FieldList fields_of_both(First& first, Second& second) {
+  return [&](FieldVisitor& visitor) {
+    visit(first, visitor);
+    visit(second, visitor);
+  };
+}
+
+/// Adds a function that takes fields as keyword arguments.
+/// \param call, result, text as in `described`; `call` begins with the name of the function.
+/// \param usual the fields with their defaults.
+template <typename Function, typename... Arguments>
+void def_with_fields(py::module_& module, const FieldList& usual, const std::string& call,
+                     const std::string& result, const std::string& text, Function&& function,
+                     const Arguments&... arguments) {
+  const std::string doc = described(call, result, text, usual);
+  py::options own;
+  own.disable_function_signatures();
+  module.def(call.substr(0, call.find('(')).c_str(), std::forward<Function>(function), arguments...,
+             doc.c_str());
+}
+
+/// The same for the fields of a struct of options.
+template <typename Options, typename... Rest>
+void def_with_options(py::module_& module, Rest&&... rest) {
+  Options usual;
+  def_with_fields(module, fields_of(usual), std::forward<Rest>(rest)...);
+}
+
 /// All lists of options, for the page that describes them: for each struct its name and its
 /// fields.
 [[nodiscard]] py::list option_lists();

@@ -199,8 +199,8 @@ void add_fit(py::module_& module) {
         return "<palpate.Fit: " + std::to_string(built.model.contacts.size()) + " contacts, " +
                std::to_string(built.left_out.size()) + " left out>";
       });
-  haptics::BuildOptions usual;
-  const std::string doc = described(
+  def_with_options<haptics::BuildOptions>(
+      module,
       "fit(acquisition: Acquisition, surface: TriangleMesh | None = None, *, progress: "
       "Callable | None = None",
       "Fit",
@@ -212,15 +212,9 @@ progress: called as progress(done, total) after each contact, from any thread, o
 All processors are used, and other threads of Python run meanwhile. Ctrl-C ends the fit after the
 next contact. Raises InvalidInput, also if `acquisition` cannot be measurements of an
 object, or SolverError; warns (UserWarning) of what is suspicious.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "fit",
       [](const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,
          const py::object& progress, const py::kwargs& keywords) {
-        haptics::BuildOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<haptics::BuildOptions>(keywords);
         LongWork work(progress);
         options.progress = [&work, report = work.report()](haptics::BuildStage stage, int done,
                                                            int total) {
@@ -231,8 +225,7 @@ object, or SolverError; warns (UserWarning) of what is suspicious.)",
         check_plausible("fit()", acquisition);
         return work.run([&] { return fit(acquisition, surface, options); });
       },
-      arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("progress") = py::none(),
-      doc.c_str());
+      arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("progress") = py::none());
 }
 
 }  // namespace

@@ -109,29 +109,20 @@ void add_decimation(py::module_& module) {
         return "<palpate.Decimation: " + std::to_string(decimated.mesh.triangles.cols()) +
                " triangles, at most " + std::to_string(decimated.distance) + " mm off>";
       });
-  geometry::DecimationOptions usual;
-  const std::string doc =
-      described("decimate(mesh: TriangleMesh, *, progress: Callable | None = None", "Decimation",
-                R"(Reduces the number of triangles; the vertices are a subset of the input's.
+  def_with_options<geometry::DecimationOptions>(
+      module, "decimate(mesh: TriangleMesh, *, progress: Callable | None = None", "Decimation",
+      R"(Reduces the number of triangles; the vertices are a subset of the input's.
 
 Give exactly one of tolerance and max_triangles.
 progress: called as progress(done, total) after each mesh that was tried; Ctrl-C is heard then.
 Raises InvalidInput.)",
-                fields_of(usual));
-  {
-    py::options own;
-    own.disable_function_signatures();
-    module.def(
-        "decimate",
-        [](const TriangleMesh& mesh, const py::object& progress, const py::kwargs& keywords) {
-          geometry::DecimationOptions options;
-          set_fields(fields_of(options), keywords);
-          LongWork work(progress);
-          options.progress = work.report();
-          return work.run([&] { return geometry::decimate(mesh, options); });
-        },
-        arg("mesh"), kw_only(), arg("progress") = py::none(), doc.c_str());
-  }
+      [](const TriangleMesh& mesh, const py::object& progress, const py::kwargs& keywords) {
+        auto options = options_from<geometry::DecimationOptions>(keywords);
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run([&] { return geometry::decimate(mesh, options); });
+      },
+      arg("mesh"), kw_only(), arg("progress") = py::none());
 
   py::class_<RepairedMesh>(module, "RepairedMesh", "The result of repair(), with what was done.")
       .def_readonly("mesh", &RepairedMesh::mesh, "The mesh without defects.")
@@ -216,27 +207,20 @@ void add_remeshing(py::module_& module) {
             return rows_view(self.cast<RemeshedArrays&>().barycentric, self);
           },
           "(V, 3) coordinates in it: weights for values of the input's vertices.");
-  module.def(
-      "remesh",
-      [](const TriangleMesh& mesh, double edge_length, double feature_angle, int iterations,
-         const py::object& progress) {
-        LongWork work(progress);
-        const geometry::RemeshingOptions options{.edge_length = edge_length,
-                                                 .feature_angle = feature_angle,
-                                                 .iterations = iterations,
-                                                 .progress = work.report()};
-        return work.run([&] { return arrays_of(geometry::remesh(mesh, options)); });
-      },
-      arg("mesh"), kw_only(), arg("edge_length"),
-      arg("feature_angle") = geometry::RemeshingOptions{}.feature_angle,
-      arg("iterations") = geometry::RemeshingOptions{}.iterations, arg("progress") = py::none(),
+  def_with_options<geometry::RemeshingOptions>(
+      module, "remesh(mesh: TriangleMesh, *, progress: Callable | None = None", "Remeshing",
       R"(Makes the triangles nearly equilateral; the border and sharp edges stay where they are.
 
-edge_length: [mm] that the edges shall have.
-feature_angle: [rad] an edge at which the surface bends by more is sharp; in (0, pi].
-iterations: >= 1.
+Give edge_length.
 progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
-Raises InvalidInput, also if more than 20 million triangles would be needed.)");
+Raises InvalidInput.)",
+      [](const TriangleMesh& mesh, const py::object& progress, const py::kwargs& keywords) {
+        auto options = options_from<geometry::RemeshingOptions>(keywords);
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run([&] { return arrays_of(geometry::remesh(mesh, options)); });
+      },
+      arg("mesh"), kw_only(), arg("progress") = py::none());
 }
 
 void add_range_map(py::module_& module) {
@@ -309,40 +293,28 @@ A view without a copy, which keeps the map alive. Writing changes the map.)")
       R"(Writes the depths as float32 TIFF, exactly; the camera is not written.
 
 A file is replaced as a whole, or not at all. Raises OutputError.)");
-  module.def(
-      "mesh_from",
-      [](const RangeMap& map, double max_depth_step, double max_incidence) {
-        tell_doubts("mesh_from(): map", sensing::range_map_doubts(map));
-        const Unlocked unlocked;
-        return geometry::mesh_range_map(
-                   map, {.max_depth_step = max_depth_step, .max_incidence = max_incidence})
-            .mesh;
-      },
-      arg("map"), kw_only(), arg("max_depth_step") = geometry::RangeMapMeshOptions{}.max_depth_step,
-      arg("max_incidence") = geometry::RangeMapMeshOptions{}.max_incidence,
+  def_with_options<geometry::RangeMapMeshOptions>(
+      module, "mesh_from(map: RangeMap, *", "TriangleMesh",
       R"(Triangulates a range map, in the frame of its camera [mm]; normals point to the camera.
 
-max_depth_step: neighbouring pixels are on one surface if their depths differ by at most this
-fraction, or agree with the slopes on both sides.
-max_incidence: [rad] greatest angle between a triangle's normal and its viewing ray.
 Warns of a camera or depths that are unlikely. Raises InvalidInput, also if they are impossible.
-Ctrl-C is not heard.)");
-  geometry::RangeMapSelectionOptions usual;
-  const std::string doc =
-      described("select_depths(map: RangeMap, *, mask: ArrayLike | None = None", "RangeMap",
-                R"(Leaves out the background of an object: those depths become NaN.
+Ctrl-C is not heard.)",
+      [](const RangeMap& map, const py::kwargs& keywords) {
+        const auto options = options_from<geometry::RangeMapMeshOptions>(keywords);
+        tell_doubts("mesh_from(): map", sensing::range_map_doubts(map));
+        const Unlocked unlocked;
+        return geometry::mesh_range_map(map, options).mesh;
+      },
+      arg("map"));
+  def_with_options<geometry::RangeMapSelectionOptions>(
+      module, "select_depths(map: RangeMap, *, mask: ArrayLike | None = None", "RangeMap",
+      R"(Leaves out the background of an object: those depths become NaN.
 
 mask: (height, width); pixels where it is 0 or False are left out.
 The options act in the order near, far, crop, mask, remove_plane. Raises InvalidInput. Ctrl-C is not
 heard.)",
-                fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "select_depths",
       [](const RangeMap& map, const py::object& mask, const py::kwargs& keywords) {
-        geometry::RangeMapSelectionOptions options;
-        set_fields(fields_of(options), keywords);
+        const auto options = options_from<geometry::RangeMapSelectionOptions>(keywords);
         geometry::PixelMask kept;
         if (!mask.is_none()) {
           kept = image(mask, "mask") != 0;
@@ -353,7 +325,7 @@ heard.)",
         const Unlocked unlocked;
         return RangeMap{geometry::select_depths(map, options, kept).z, map.camera};
       },
-      arg("map"), kw_only(), arg("mask") = py::none(), doc.c_str());
+      arg("map"), kw_only(), arg("mask") = py::none());
 }
 
 }  // namespace

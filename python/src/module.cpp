@@ -79,6 +79,8 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_scans(module);
   python::add_tracking(module);
   python::add_sensing(module);
+  python::add_cameras(module);
+  python::add_calibration(module);
   python::add_rig_trial(module);
   python::add_probing(module);
   python::add_arm_placement(module);
@@ -87,6 +89,7 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_derived_models(module);
   python::add_simulation(module);
   python::add_playback(module);
+  python::add_device(module);
   module.def(
       "_option_lists", &python::option_lists,
       "All options: for each struct its name, and for each field what docs/options.md says.");

@@ -128,8 +128,8 @@ std::vector<probing::HeldBall> held_balls(const py::object& tips,
 }
 
 void add_functions(py::module_& module) {
-  probing::TouchPlacementOptions usual;
-  const std::string doc = described(
+  def_with_options<probing::TouchPlacementOptions>(
+      module,
       "place_arm_by_touches(tips: ArrayLike, surface: TriangleMesh, *, start: ArrayLike | None = "
       "None",
       "ArmPlacement",
@@ -140,22 +140,15 @@ surface: frame of the camera; its normals point to where the tip comes from.
 start: (4, 4) rough pose; None: all poses are searched.
 A pose that the touches do not determine is a result, not an error: see `determined`.
 Raises InvalidInput. Ctrl-C is not heard.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "place_arm_by_touches",
       [](const py::object& tips, const geometry::TriangleMesh& surface, const py::object& start,
          const py::kwargs& keywords) {
         const Points given(tips, "tips");
-        probing::TouchPlacementOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<probing::TouchPlacementOptions>(keywords);
         if (!start.is_none()) options.T_camera_base_start = isometry(start, "start");
         const Unlocked while_it_searches;
         return probing::place_by_touches(given.columns(), surface, options);
       },
-      arg("tips"), arg("surface"), kw_only(), arg("start") = py::none(), doc.c_str());
-  own.enable_function_signatures();
+      arg("tips"), arg("surface"), kw_only(), arg("start") = py::none());
   module.def(
       "place_arm_by_ball",
       [](const py::object& tips, const std::vector<std::optional<SeenBall>>& balls,

@@ -16,8 +16,8 @@
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/deformed_shape.h"
 #include "palpate/haptics/model.h"
-#include "palpate/haptics/trajectory_csv.h"
 #include "palpate/haptics/trajectory_file.h"
+#include "trajectories.h"
 
 namespace palpate::python {
 namespace {
@@ -32,11 +32,6 @@ using haptics::Playback;
 using haptics::PlaybackOptions;
 using haptics::TracePoint;
 using haptics::TrajectoryPoint;
-
-/// The trace of a tool along its path.
-struct Trace {
-  std::vector<TracePoint> points;
-};
 
 constexpr double kPeriod = 1e-3;  // [s] of 1 kHz
 
@@ -119,29 +114,6 @@ void add_trace(py::module_& module) {
       R"(Reads the way of a tool (CSV with the columns t,x,y,z, or binary): tools (N, 3) [mm], times (N,) [s].
 
 Raises FileError.)");
-}
-
-std::vector<TrajectoryPoint> trajectory(const py::object& tools, const py::object& times) {
-  const Points given(tools, "tools");
-  const auto positions = given.columns();
-  std::vector<TrajectoryPoint> points(static_cast<std::size_t>(positions.cols()));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = {kPeriod * static_cast<double>(i), positions.col(static_cast<Eigen::Index>(i))};
-  }
-  if (times.is_none()) return points;
-  const py::array_t<double> at = real_numbers(times, "times");
-  if (at.ndim() != 1 || at.size() != positions.cols()) {
-    throw InvalidInput("times: must have the shape (" + std::to_string(positions.cols()) +
-                       ",), one time for each of the tools");
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i].time = at.data()[i];
-    if (!std::isfinite(points[i].time) || (i > 0 && points[i].time < points[i - 1].time)) {
-      throw InvalidInput("times[" + std::to_string(i) + "] is " + std::to_string(points[i].time) +
-                         "; times must be finite and not decrease");
-    }
-  }
-  return points;
 }
 
 void check_pairs(const Points& places, const Points& displacements) {
@@ -248,7 +220,8 @@ Raises InvalidInput.)");
 
 void add_loop(py::module_& module) {
   PlaybackOptions usual;
-  py::class_<Playback> added(module, "Playback", "The haptic loop of a model, at 1 kHz.");
+  py::class_<Playback, std::shared_ptr<Playback>> added(module, "Playback",
+                                                        "The haptic loop of a model, at 1 kHz.");
   def_described(
       added,
       described("__init__(self: Playback, model: Model, *", "None",
@@ -289,6 +262,29 @@ not heard.)");
 }
 
 }  // namespace
+
+std::vector<TrajectoryPoint> trajectory(const py::object& tools, const py::object& times) {
+  const Points given(tools, "tools");
+  const auto positions = given.columns();
+  std::vector<TrajectoryPoint> points(static_cast<std::size_t>(positions.cols()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = {kPeriod * static_cast<double>(i), positions.col(static_cast<Eigen::Index>(i))};
+  }
+  if (times.is_none()) return points;
+  const py::array_t<double> at = real_numbers(times, "times");
+  if (at.ndim() != 1 || at.size() != positions.cols()) {
+    throw InvalidInput("times: must have the shape (" + std::to_string(positions.cols()) +
+                       ",), one time for each of the tools");
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].time = at.data()[i];
+    if (!std::isfinite(points[i].time) || (i > 0 && points[i].time < points[i - 1].time)) {
+      throw InvalidInput("times[" + std::to_string(i) + "] is " + std::to_string(points[i].time) +
+                         "; times must be finite and not decrease");
+    }
+  }
+  return points;
+}
 
 void add_playback(py::module_& module) {
   add_tick(module);

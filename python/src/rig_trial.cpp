@@ -149,34 +149,24 @@ void add_rig_trial(py::module_& module) {
   add_trial(module);
   sensing::VirtualSensor usual_sensor;
   sensing::DecodeOptions usual_options;
-  const auto both = [](sensing::VirtualSensor& sensor, sensing::DecodeOptions& options) {
-    return FieldList([&](FieldVisitor& visitor) {
-      visit(sensor, visitor);
-      visit(options, visitor);
-    });
-  };
-  const std::string doc = described(
+  def_with_fields(
+      module, fields_of_both(usual_sensor, usual_options),
       "try_rig(rig: Rig, pattern: Pattern, bodies: Sequence[Body], *", "RigTrial",
       R"(Simulates a measurement: the pattern on the bodies, the camera's frames, training and decoding.
 
 The pattern is drawn for the rig. If it has no stripes, the lit pixel nearest to the centre of the
 image is its anchor. Raises InvalidInput. Ctrl-C is not heard: it takes seconds.)",
-      both(usual_sensor, usual_options));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "try_rig",
-      [both](const sensing::Rig& rig, const sensing::Pattern& pattern,
-             const std::vector<Body>& bodies, const py::kwargs& keywords) {
+      [](const sensing::Rig& rig, const sensing::Pattern& pattern, const std::vector<Body>& bodies,
+         const py::kwargs& keywords) {
         sensing::VirtualSensor sensor;
         sensing::TrialOptions options;
-        set_fields(both(sensor, options.decode), keywords);
+        set_fields(fields_of_both(sensor, options.decode), keywords);
         const Unlocked unlocked;
         options.decoder_rig = sensing::rig_of_drawing(rig);
         return sensing::try_rig(rig, pattern, sensing::draw_pattern(pattern, rig), bodies, sensor,
                                 options);
       },
-      arg("rig"), arg("pattern"), arg("bodies"), doc.c_str());
+      arg("rig"), arg("pattern"), arg("bodies"));
 }
 
 }  // namespace palpate::python

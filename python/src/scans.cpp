@@ -67,8 +67,8 @@ void add_merging(py::module_& module) {
           "Read this before you use the mesh: (scan, other, share, depth [mm]) of the pairs of "
           "scans that disagree, the worst first. A share of the places that the first saw lies "
           "behind the surface of the other.");
-  MergeScansOptions usual;
-  const std::string doc = described(
+  def_with_options<MergeScansOptions>(
+      module,
       "merge_scans(meshes: Sequence[TriangleMesh], *, poses: Sequence[ArrayLike] = (), sigmas: "
       "Sequence[ArrayLike] = (), progress: Callable | None = None",
       "MergedScans",
@@ -81,23 +81,17 @@ sigmas: [mm] for each mesh the standard deviations of its vertices, (V,); withou
 the same.
 progress: called as progress(done, total), several times for each mesh; Ctrl-C is heard then.
 Raises InvalidInput or SolverError.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "merge_scans",
       [](const std::vector<TriangleMesh>& meshes, const std::vector<py::object>& poses,
          const std::vector<py::object>& sigmas, const py::object& progress,
          const py::kwargs& keywords) {
-        MergeScansOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<MergeScansOptions>(keywords);
         const std::vector<Scan> scans = scans_of(meshes, poses, sigmas);
         LongWork work(progress);
         options.progress = work.report();
         return work.run([&] { return geometry::merge_scans(scans, options); });
       },
       arg("meshes"), kw_only(), arg("poses") = py::tuple(), arg("sigmas") = py::tuple(),
-      arg("progress") = py::none(), doc.c_str());
+      arg("progress") = py::none());
 }
 
 void add_hole_filling(py::module_& module) {
@@ -105,21 +99,20 @@ void add_hole_filling(py::module_& module) {
       .def_readonly("mesh", &FilledMesh::mesh, "The mesh, and then the patches.")
       .def_readonly("filled", &FilledMesh::filled, "Number of holes filled.")
       .def_readonly("left", &FilledMesh::left, "Number of borders that stay.");
-  module.def(
-      "fill_holes",
-      [](const TriangleMesh& mesh, double max_diameter, const py::object& progress) {
-        LongWork work(progress);
-        const geometry::HoleFillingOptions options{.max_diameter = max_diameter,
-                                                   .progress = work.report()};
-        return work.run([&] { return geometry::fill_holes(mesh, options); });
-      },
-      arg("mesh"), arg("max_diameter"), kw_only(), arg("progress") = py::none(),
+  def_with_options<geometry::HoleFillingOptions>(
+      module, "fill_holes(mesh: TriangleMesh, *, progress: Callable | None = None", "FilledMesh",
       R"(Fills holes with patches that are as dense as their rim and continue the surface smoothly.
 
-max_diameter: [mm] diagonal of the bounding box of the largest hole to be filled. The outline of an
-open surface stays, unless this is infinite.
+Give max_diameter. The outline of an open surface stays, unless that is infinite.
 progress: called as progress(done, total) after each border; Ctrl-C is heard then.
-Raises InvalidInput unless the mesh is manifold and oriented: see repair().)");
+Raises InvalidInput unless the mesh is manifold and oriented: see repair().)",
+      [](const TriangleMesh& mesh, const py::object& progress, const py::kwargs& keywords) {
+        auto options = options_from<geometry::HoleFillingOptions>(keywords);
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run([&] { return geometry::fill_holes(mesh, options); });
+      },
+      arg("mesh"), kw_only(), arg("progress") = py::none());
 }
 
 }  // namespace
@@ -127,23 +120,17 @@ Raises InvalidInput unless the mesh is manifold and oriented: see repair().)");
 void add_scans(py::module_& module) {
   add_merging(module);
   add_hole_filling(module);
-  module.def(
-      "smooth",
-      [](const TriangleMesh& mesh, int iterations, double pass_band, bool keep_border) {
-        const SmoothingOptions options{
-            .iterations = iterations, .pass_band = pass_band, .keep_border = keep_border};
+  def_with_options<SmoothingOptions>(
+      module, "smooth(mesh: TriangleMesh, *", "TriangleMesh",
+      R"(Smooths a copy of a mesh without shrinking it (Taubin 1995).
+
+Raises InvalidInput. Ctrl-C is not heard.)",
+      [](const TriangleMesh& mesh, const py::kwargs& keywords) {
+        const auto options = options_from<SmoothingOptions>(keywords);
         const Unlocked unlocked;
         return geometry::smooth(mesh, options);
       },
-      arg("mesh"), kw_only(), arg("iterations") = SmoothingOptions{}.iterations,
-      arg("pass_band") = SmoothingOptions{}.pass_band,
-      arg("keep_border") = SmoothingOptions{}.keep_border,
-      R"(Smooths a copy of a mesh without shrinking it (Taubin 1995).
-
-iterations: 20 remove most noise.
-pass_band: in (0, 1): waves of lower frequency are kept. The highest frequency of a mesh is 2.
-keep_border: keeps the border in its place; otherwise it is smoothed along itself.
-Raises InvalidInput. Ctrl-C is not heard.)");
+      arg("mesh"));
 }
 
 }  // namespace palpate::python

@@ -40,7 +40,10 @@ void add_files(py::module_& module) {
       .def_property_readonly(
           "T_projector_camera",
           [](const Rig& rig) { return copy_of(rig.T_projector_camera.matrix()); },
-          "(4, 4) maps camera coordinates to projector coordinates [mm].");
+          "(4, 4) maps camera coordinates to projector coordinates [mm].")
+      .def(
+          "write", [](const Rig& rig, const fs::path& path) { sensing::write_rig(path, rig); },
+          arg("path"), "Writes rig.yaml, as read_rig() reads it. Raises OutputError.");
   py::class_<Pattern>(module, "Pattern", "A projected pattern: colour stripes and a sinusoid.")
       .def_readonly("period", &Pattern::period, "[px] of the sinusoid.")
       .def_property_readonly(
@@ -155,8 +158,8 @@ void add_design(py::module_& module) {
       .def_readonly("largest_overlap", &PatternDesign::largest_overlap,
                     "Share of pixels in which the two most similar colours are expected to be "
                     "confused; 0 without trained colours.");
-  sensing::PatternOptions usual;
-  const std::string doc = described(
+  def_with_options<sensing::PatternOptions>(
+      module,
       "design_pattern(rig: Rig, *, trained: TrainedColors | None = None, distances: tuple[float, "
       "float] | None = None",
       "PatternDesign",
@@ -165,22 +168,15 @@ void add_design(py::module_& module) {
 trained: the colours are chosen so that the camera distinguishes them best.
 distances: [mm] of the nearest and the farthest object; None: where the views overlap.
 Raises InvalidInput.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "design_pattern",
       [](const Rig& rig, const std::optional<TrainedColors>& trained,
          const std::optional<std::pair<double, double>>& distances, const py::kwargs& keywords) {
-        sensing::PatternOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<sensing::PatternOptions>(keywords);
         options.trained = trained;
         if (distances) options.range = {distances->first, distances->second};
         const Unlocked unlocked;
         return sensing::design_pattern(rig, options);
       },
-      arg("rig"), kw_only(), arg("trained") = py::none(), arg("distances") = py::none(),
-      doc.c_str());
+      arg("rig"), kw_only(), arg("trained") = py::none(), arg("distances") = py::none());
 }
 
 void add_decoder(py::module_& module) {
@@ -272,23 +268,16 @@ From 0.02 on the images do not show one still scene under one steady light.)")
           R"(Jumps of the phase by whole turns between neighbours, per turn that it runs on.
 
 From 0.02 on the images of the code are not those of the pattern, in its order.)");
-  sensing::MultishotOptions usual;
-  const std::string doc = described(
-      "decode_multishot(images: Sequence, rig: Rig, pattern: Pattern, *", "MultishotResult",
+  def_with_options<sensing::MultishotOptions>(
+      module, "decode_multishot(images: Sequence, rig: Rig, pattern: Pattern, *", "MultishotResult",
       R"(Decodes several images of a static scene into one range map.
 
 images: in the order of the pattern (`palpate pattern --multishot`): shifted sinusoids, then the
 code, one exposure after the other; uint8 or uint16, linear in the light.
 Raises InvalidInput. Ctrl-C is not heard: it takes about a second.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "decode_multishot",
       [](const std::vector<py::object>& images, const Rig& rig, const Pattern& pattern,
          const py::kwargs& keywords) {
-        sensing::MultishotOptions options;
-        set_fields(fields_of(options), keywords);
+        const auto options = options_from<sensing::MultishotOptions>(keywords);
         std::vector<Frame> frames;
         frames.reserve(images.size());
         for (const py::object& image : images) frames.emplace_back(image);
@@ -297,7 +286,7 @@ Raises InvalidInput. Ctrl-C is not heard: it takes about a second.)",
         const Unlocked unlocked;
         return sensing::MultishotDecoder(rig, pattern, options).decode(pixels);
       },
-      arg("images"), arg("rig"), arg("pattern"), doc.c_str());
+      arg("images"), arg("rig"), arg("pattern"));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "palpate/probing/arm_setup.h"
 #include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/campaign_trial.h"
+#include "palpate/probing/known_forces.h"
 #include "palpate/probing/quasi_static_arm.h"
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/specimen_trials.h"
@@ -26,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using probing::ArmState;
 using probing::ContactPlan;
+using probing::KnownForces;
 using probing::PlanOptions;
 using probing::VirtualArm;
 
@@ -42,6 +44,13 @@ std::string text_of(const py::dict& members) {
     }
   }
   return py::str(dumps(members));
+}
+
+/// One vector of each known force.
+auto rows_of_known(Eigen::Vector3d probing::KnownForce::*member) {
+  return [member](const KnownForces& known) {
+    return gather_rows(known.forces, [member](const auto& one) { return one.*member; });
+  };
 }
 
 void add_specimen(py::module_& module) {
@@ -98,6 +107,35 @@ Raises SolverError if there is no equilibrium, InvalidInput unless both are fini
       arg("path"), "Reads a simulated object (JSON; docs/probing.md). Raises FileError.");
 }
 
+void add_known_forces(py::module_& module) {
+  py::class_<KnownForces>(module, "KnownForces", "The result of known_forces(), for evaluate().")
+      .def_property_readonly("contacts", rows_of_known(&probing::KnownForce::contact),
+                             "[mm] (N, 3) places on the undeformed surface.")
+      .def_property_readonly("displacements", rows_of_known(&probing::KnownForce::displacement),
+                             "[mm] (N, 3) of the tip.")
+      .def_property_readonly("forces", rows_of_known(&probing::KnownForce::force),
+                             "[N] (N, 3) on the object.")
+      .def_property_readonly(
+          "unanswered",
+          [](const KnownForces& known) {
+            return gather_rows(known.unanswered, [](const auto& one) { return one.force; });
+          },
+          "[N] (M, 3) forces of the queries without an equilibrium, which are left out.");
+  def_with_options<probing::KnownForceOptions>(
+      module, "known_forces(specimen: Specimen, *, progress: Callable | None = None", "KnownForces",
+      R"(Forces on a simulated object and the displacements they cause, as `palpate probe truth` has them.
+
+progress: called as progress(done, total) after each force; Ctrl-C is heard then.
+Raises InvalidInput.)",
+      [](const Specimen& specimen, const py::object& progress, const py::kwargs& keywords) {
+        auto options = options_from<probing::KnownForceOptions>(keywords);
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run([&] { return probing::known_forces(*specimen.object, options); });
+      },
+      arg("specimen"), kw_only(), arg("progress") = py::none());
+}
+
 void add_plan(py::module_& module) {
   py::class_<ContactPlan>(module, "ContactPlan", "Where to probe a surface, and how hard.")
       .def_property_readonly(
@@ -122,27 +160,21 @@ void add_plan(py::module_& module) {
           "write",
           [](const ContactPlan& plan, const fs::path& path) { probing::write_plan(path, plan); },
           arg("path"), "Writes plan.json, for `palpate probe run`. Raises OutputError.");
-  PlanOptions usual;
-  const std::string doc = described(
-      "plan_contacts(surface: TriangleMesh, *, sensor: ArrayLike | None = None", "ContactPlan",
+  def_with_options<PlanOptions>(
+      module, "plan_contacts(surface: TriangleMesh, *, sensor: ArrayLike | None = None",
+      "ContactPlan",
       R"(Plans contacts on a surface, as `palpate probe plan` does.
 
 sensor: [mm] (3,) its position, None: the origin; contacts are where it sees the surface well.
 Raises InvalidInput if no place may be probed. Ctrl-C is not heard.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "plan_contacts",
       [](const geometry::TriangleMesh& surface, const py::object& sensor,
          const py::kwargs& keywords) {
-        PlanOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<PlanOptions>(keywords);
         if (!sensor.is_none()) options.sensor = vector3(sensor, "sensor");
         const Unlocked unlocked;
         return probing::plan_contacts(surface, options);
       },
-      arg("surface"), kw_only(), arg("sensor") = py::none(), doc.c_str());
+      arg("surface"), kw_only(), arg("sensor") = py::none());
 }
 
 haptics::BuildResult bake(const Specimen& specimen, const PlanOptions& plan,
@@ -245,8 +277,8 @@ probing::CheckedAcquisition probe(const ContactPlan& plan, const Specimen& speci
 }
 
 void add_probe(py::module_& module) {
-  probing::CampaignOptions usual;
-  const std::string doc = described(
+  def_with_options<probing::CampaignOptions>(
+      module,
       "probe(plan: ContactPlan, specimen: Specimen, path: str | PathLike, *, arm: "
       "Literal['quasi-static', 'virtual'] = 'quasi-static', progress: Callable | None = None",
       "Acquisition",
@@ -256,19 +288,13 @@ path: of the database to write (acquisition.db); it must not exist. Each trial i
 arm: 'quasi-static', equilibria with the errors of an arm, or 'virtual', with its 1 kHz loop.
 progress: called as progress(done, total) after each trial; Ctrl-C is heard then.
 Raises InvalidInput or OutputError.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "probe",
       [](const ContactPlan& plan, const Specimen& specimen, const fs::path& path,
          const std::string& arm, const py::object& progress, const py::kwargs& keywords) {
-        probing::CampaignOptions options;
-        set_fields(fields_of(options), keywords);
+        const auto options = options_from<probing::CampaignOptions>(keywords);
         return probe(plan, specimen, path, arm, options, progress);
       },
       arg("plan"), arg("specimen"), arg("path"), kw_only(), arg("arm") = "quasi-static",
-      arg("progress") = py::none(), doc.c_str());
+      arg("progress") = py::none());
 }
 
 void add_virtual_arm(py::module_& module) {
@@ -340,6 +366,7 @@ Specimen new_specimen(const std::string& text, const std::string& source) {
 
 void add_simulation(py::module_& module) {
   add_specimen(module);
+  add_known_forces(module);
   add_plan(module);
   add_bake(module);
   add_probe(module);

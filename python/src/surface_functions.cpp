@@ -272,8 +272,8 @@ void add_registration(py::module_& module) {
         return "<palpate.Registration: " + std::string(to_string(found.verdict)) + ": " +
                found.reason + ">";
       });
-  RegistrationOptions usual;
-  const std::string doc = described(
+  def_with_options<RegistrationOptions>(
+      module,
       "register_points(points: ArrayLike, target: TriangleMesh, *, start: ArrayLike | None = None, "
       "progress: Callable | None = None",
       "Registration",
@@ -283,16 +283,10 @@ points: those that are not finite are ignored. A C-contiguous float64 array is r
 start: (4, 4) start pose of the search; None: none of the points is moved.
 progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
 Raises InvalidInput. A pose that cannot be relied on is a result, not an error: see `accepted`.)",
-      fields_of(usual));
-  py::options own;
-  own.disable_function_signatures();
-  module.def(
-      "register_points",
       [](const py::object& points, const TriangleMesh& target, const py::object& start,
          const py::object& progress, const py::kwargs& keywords) {
         const Points given(points, "points");
-        RegistrationOptions options;
-        set_fields(fields_of(options), keywords);
+        auto options = options_from<RegistrationOptions>(keywords);
         options.T_target_source_start = isometry(start, "start");
         LongWork work(progress);
         options.progress = work.report();
@@ -300,7 +294,7 @@ Raises InvalidInput. A pose that cannot be relied on is a result, not an error: 
             [&] { return geometry::register_points(given.columns(), target, options); });
       },
       arg("points"), arg("target"), kw_only(), arg("start") = py::none(),
-      arg("progress") = py::none(), doc.c_str());
+      arg("progress") = py::none());
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ ProbedObject probe(const PlacementObject& given) {
   look(object, force, random);
   for (const probing::KnownForce& known :
        probing::known_forces(*object.specimen,
-                             {.count = 120, .margin = 8, .max_force = given.max_force})
+                             {.queries = 120, .margin = 8, .max_force = given.max_force})
            .forces)
     object.queries.push_back({known.contact, known.displacement, known.force});
   return object;

@@ -30,7 +30,7 @@ TradeObject finite_elements(const std::string& name, const std::string& specimen
                    .highest_force = kHighest * most,
                    .levels = 5,
                    .max_force = most},
-          .queries = {.count = 60, .margin = 6, .max_force = most},
+          .queries = {.queries = 60, .margin = 6, .max_force = most},
           .most_seeds = 1};
 }
 

@@ -108,6 +108,9 @@ TEST(Calibrate, WrongCallsAreRefused) {
   const std::string out = scratch / "rig.yaml";
   refused({"rig", "--projector-size", "64,48", "--draw", empty}, "'64,48'");
   refused({"rig", empty, "--projector-size", "64x48", "-o", out}, "--board");
+  refused({"rig", empty, "--board", "7x9", "--square", "5", "--projector-size", "64x48", "-o", out,
+           "--distortion-terms", "3"},
+          "--distortion-terms is 3; it must be 0, 2, 4 or 5");
   refused({"rig", empty, "--board", "7x9", "--square", "5", "--projector-size", "64x48", "-o", out},
           "no image");
   const std::string board = scratch / "board.svg";

@@ -212,7 +212,8 @@ TEST_F(PlayDevice, RefusesCallsWithoutSense) {
       {{"--device", "hand", "--trajectory", press(), "--coupling", "-1"}, "--coupling: is -1"},
       {{"--device", "hand", "--trajectory", press(), "--record", *scratch / "t.csv"},
        "give --session"},
-      {{"--device", "hand", "--trajectory", press(), "--set", "delay=nan"}, "a finite number"},
+      {{"--device", "hand", "--trajectory", press(), "--set", "delay=nan"},
+       "--set delay is \"nan\"; it must be a whole number in [0, 16]"},
       {{"--device", "hand", "--trajectory", press(), "--exchange-at", "0.3"},
        "--exchange-at requires --exchange"},
       {{"--stability", "--device", "arm"}, "--device is arm"},
@@ -256,6 +257,7 @@ TEST_F(PlayDevice, RefusesEachOptionWhereItDoesNothing) {
       {{"--max-force", "3.3"}, {{along, device}, {replay, device}}},
       {{"--slew", "1000"}, {{along, device}, {replay, device}, {stability, device}}},
       {{"--ramp", "0.5"}, {{along, device}, {replay, device}, {stability, device}}},
+      {{"--lease", "0.01"}, {{along, device}, {replay, device}, {stability, device}}},
       {{"--exchange", *scratch / "other"}, {{along, device}, {stability, device}}},
       {{"--exchange", *scratch / "other", "--exchange-at", "1"}, {{replay, device}}},
   };

@@ -136,17 +136,20 @@ TEST_F(WrongOptions, OfMesh) {
     more.insert(more.end(), {"-o", scratch / "x.ply"});
     return more;
   };
-  expect_refused({{mesh({map, "--rig", rig, "--scale", "2"}), "--scale"},
-                  {mesh({map, "--rig", rig, "--unit", "m"}), "--unit"},
-                  {mesh({map, "--rig", rig, "--intrinsics", "1,1,1,1"}), "--intrinsics"},
-                  {mesh({hand(), "--scale", "2"}), "--scale"},
-                  {mesh({hand(), "--smooth", "100000000"}), "--smooth"},
-                  {mesh({hand(), "--tolerance", "1e6"}), "--tolerance"},
-                  {mesh({hand(), "--picture", scratch / "x.jpg"}), "x.jpg"},
-                  {mesh({map, "--rig", rig, "--format", "stp"}),
-                   "--format: is stp; it must be ply, obj or stl"},
-                  {mesh({scratch / "pictures"}), "a folder of range maps"},
-                  {mesh({scratch / "nothing"}), "nothing: there is no range map in it"}});
+  expect_refused(
+      {{mesh({map, "--rig", rig, "--scale", "2"}), "--scale"},
+       {mesh({map, "--rig", rig, "--unit", "m"}), "--unit"},
+       {mesh({map, "--rig", rig, "--intrinsics", "1,1,1,1"}), "--intrinsics"},
+       {mesh({hand(), "--scale", "2"}), "--scale"},
+       {mesh({hand(), "--smooth", "100000000"}), "--smooth"},
+       {mesh({hand(), "--keep-border"}), "--smooth"},
+       {mesh({hand(), "--max-depth-step", "0.5"}), "--max-depth-step 0.5 works for range maps"},
+       {mesh({hand(), "--tolerance", "1e6"}), "--tolerance"},
+       {mesh({hand(), "--picture", scratch / "x.jpg"}), "x.jpg"},
+       {mesh({map, "--rig", rig, "--format", "stp"}),
+        "--format: is stp; it must be ply, obj or stl"},
+       {mesh({scratch / "pictures"}), "a folder of range maps"},
+       {mesh({scratch / "nothing"}), "nothing: there is no range map in it"}});
   EXPECT_FALSE(fs::exists(scratch / "x.ply"));
 }
 
@@ -171,7 +174,7 @@ TEST_F(WrongOptions, ANumberThatIsNone) {
                   {{"mesh", hand(), "--tolerance", "much", "-o", scratch / "x.ply"},
                    "--tolerance: is much; it must be > 0"},
                   {{"mesh", hand(), "--smooth", "-1", "-o", scratch / "x.ply"},
-                   "--smooth: is -1; it must be in [0, "}});
+                   "--smooth: is -1; it must be a whole number in [0, "}});
 }
 
 TEST_F(WrongOptions, OfAVideoThatIsNone) {

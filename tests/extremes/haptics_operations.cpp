@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 
 #include "operations.h"
 #include "palpate.h"
+#include "palpate/core/error.h"
 #include "palpate/geometry/surface_map.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/build_model.h"
@@ -20,6 +22,7 @@
 #include "palpate/haptics/passivity_certificate.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
+#include "palpate/haptics/safety_filter.h"
 #include "palpate/haptics/scale_model.h"
 #include "palpate/haptics/transfer_model.h"
 
@@ -303,6 +306,20 @@ Results drawing(const Input& input, const Change&) {
                  &Order::sheet_vertices)};
 }
 
+Results safety(const Input& input, const Change& change) {
+  SafetyOptions options{.max_force = 3 * input.force, .slew = 1000 * input.force, .ramp = 0.05};
+  change(fields_of(options));
+  SafetyFilter filter(options);
+  constexpr int kTicks = 200;
+  Eigen::Matrix3Xd forces(3, kTicks);
+  for (int tick = 0; tick < kTicks; ++tick) {
+    const double now = 1e-3 * tick, size = 5 * input.force * std::sin(0.05 * tick);
+    const SafetyInput wanted{.now = now, .state_time = now, .force = size * Vector3d(0.6, 0, 0.8)};
+    forces.col(tick) = filter.filter(wanted).force;
+  }
+  return {numbers("forces", forces.reshaped(), kForce)};
+}
+
 }  // namespace
 
 std::vector<Operation> haptics_operations() {
@@ -320,6 +337,7 @@ std::vector<Operation> haptics_operations() {
       {"with_compliances", kSheet | kContacts | kForces, compliances, kRounded, 1e3},
       {"BlendedField", kSheet | kContacts | kPlaces | kForces, blending, 0, 64},
       {"Playback", kOptions | kSheet | kContacts | kTrajectory | kForces, playing, 0, 1e3},
+      {"SafetyFilter::filter", kOptions | kForces, safety},
       {"C interface", kSheet | kContacts | kTrajectory | kForces, device_of_c, 0, 1e3},
       {"evaluate_queries", kOptions | kSheet | kContacts | kAcquisition, evaluation, 0, 1e3},
       {"leave_one_out", kOptions | kSheet | kAcquisition, left_out, kOtherBases, 1e4, 5, true},

@@ -81,12 +81,14 @@ Results trials(const Input& input, const Change&) {
           numbers("forces", forces.reshaped(), kForce)};
 }
 
-Results truth(const Input& input, const Change&) {
+Results truth(const Input& input, const Change& change) {
   const std::unique_ptr<Specimen> specimen = make_specimen(body_of(input));
-  const KnownForces found = known_forces(*specimen, {.count = 30,
-                                                     .margin = 8 * input.length,
-                                                     .least_force = 0.1 * input.force,
-                                                     .max_force = 1 * input.force});
+  KnownForceOptions options{.queries = 30,
+                            .margin = 8 * input.length,
+                            .least_force = 0.1 * input.force,
+                            .max_force = 1 * input.force};
+  change(fields_of(options));
+  const KnownForces found = known_forces(*specimen, options);
   Eigen::Matrix3Xd displacements(3, static_cast<Eigen::Index>(found.forces.size()));
   for (Eigen::Index i = 0; i < displacements.cols(); ++i)
     displacements.col(i) = found.forces[static_cast<std::size_t>(i)].displacement;
@@ -202,7 +204,7 @@ std::vector<Operation> probing_operations() {
   return {
       {"plan_contacts", kOptions | kSheet | kForces, planning, 0, 64},
       {"try_specimen", kForces, trials, 1e-12},
-      {"known_forces", kForces, truth, 1e-12},
+      {"known_forces", kOptions | kForces, truth, 1e-12},
       {"CheckedAcquisition", kAcquisition, checked, 0, 0},
       {"judge_slip", kAcquisition, slip, 0, 1e4},
       {"ConePosterior", kTrials, cone},

@@ -103,8 +103,10 @@ RangeMap range_map_of_bump(const Input& input, double shift = 0) {
   return map;
 }
 
-Results map_mesh(const Input& input, const Change&) {
-  const RangeMapMesh found = mesh_range_map(range_map_of_bump(input));
+Results map_mesh(const Input& input, const Change& change) {
+  RangeMapMeshOptions options;
+  change(fields_of(options));
+  const RangeMapMesh found = mesh_range_map(range_map_of_bump(input), options);
   return {number("area", surface_area(found.mesh), kArea),
           number("triangles", static_cast<double>(found.mesh.triangles.cols()))};
 }
@@ -168,7 +170,7 @@ std::vector<Operation> scan_operations() {
       {"merge_scans", kOptions | kSheet, merging, 0, 64, 3},
       {"zipper_scans", kSheet, zippering, 0, 64},
       {"register_scans", kOptions | kSheet, scan_registration, 0, 1e4, 3},
-      {"mesh_range_map", kFrame, map_mesh},
+      {"mesh_range_map", kOptions | kFrame, map_mesh},
       {"smooth_range_map", kFrame, map_smoothing},
       {"depth_noise", kFrame, noise_of_depths},
       {"fitted_camera", kFrame, camera_of_cloud},

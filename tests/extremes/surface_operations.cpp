@@ -88,13 +88,17 @@ Results repair(const Input& input, const Change&) {
           number("vertices", static_cast<double>(repaired.mesh.vertices.cols()))};
 }
 
-Results holes(const Input& input, const Change&) {
-  const FilledMesh filled = fill_holes(input.sheet, {.max_diameter = 30 * input.length});
+Results holes(const Input& input, const Change& change) {
+  HoleFillingOptions options{.max_diameter = 30 * input.length};
+  change(fields_of(options));
+  const FilledMesh filled = fill_holes(input.sheet, options);
   return {number("filled", filled.filled), number("area", surface_area(filled.mesh), kArea)};
 }
 
-Results smoothing(const Input& input, const Change&) {
-  return {places("vertices", smooth(input.sheet).vertices, &Order::sheet_vertices)};
+Results smoothing(const Input& input, const Change& change) {
+  SmoothingOptions options;
+  change(fields_of(options));
+  return {places("vertices", smooth(input.sheet, options).vertices, &Order::sheet_vertices)};
 }
 
 Results curvature(const Input& input, const Change&) {
@@ -196,9 +200,10 @@ Results between_surfaces(const Input& input, const Change&) {
           number("area", found.area, kArea)};
 }
 
-Results remeshing(const Input& input, const Change&) {
-  const Remeshing found = remesh(
-      input.sheet, {.edge_length = 5 * input.length, .iterations = 3, .max_triangles = 100'000});
+Results remeshing(const Input& input, const Change& change) {
+  RemeshingOptions options{.edge_length = 5 * input.length, .max_triangles = 100'000};
+  change(fields_of(options));
+  const Remeshing found = remesh(input.sheet, options);
   return {number("area", surface_area(found.mesh), kArea, kRoughly),
           number("vertices", static_cast<double>(found.mesh.vertices.cols()), kNumber, kRoughly)};
 }
@@ -291,7 +296,7 @@ Results triangulation(const Input& input, ContactTriangulationMethod method) {
           places("means", means, &Order::sheet_vertices)};
 }
 
-Results mapping(const Input& input, const Change&) {
+Results mapping(const Input& input, const Change& change) {
   constexpr double kSolved = 1e-5;  // an iteration ends there
   const TriangleMesh target = bent(input);
   const auto count = static_cast<Eigen::Index>(input.contacts.size());
@@ -302,7 +307,9 @@ Results mapping(const Input& input, const Change&) {
     landmarks.source.col(i) = position(input.sheet, at);
     landmarks.target.col(i) = position(target, at);
   }
-  const SurfaceMap map = map_surface(input.sheet, target, landmarks);
+  SurfaceMapOptions options;
+  change(fields_of(options));
+  const SurfaceMap map = map_surface(input.sheet, target, landmarks, options);
   return {unknown_allowed(places("positions", map.positions, &Order::sheet_vertices, kSolved)),
           number("scale", map.scale, kNumber, kSolved)};
 }
@@ -318,8 +325,8 @@ std::vector<Operation> surface_operations() {
       {"normals", kSheet, normals, 0, 0},
       {"find_all_defects", kSheet | kBall, defects, 0, 0},
       {"repair_mesh", kSheet, repair, 0, 8},
-      {"fill_holes", kSheet, holes, 0, 8},
-      {"smooth", kSheet, smoothing, 0, 8},
+      {"fill_holes", kOptions | kSheet, holes, 0, 8},
+      {"smooth", kOptions | kSheet, smoothing, 0, 8},
       {"vertex_curvature", kBall, curvature, 0, 64},
       {"cross_section", kSheet, section, 0, 64},
       {"closest_points", kSheet | kPlaces, closest, 0, 8},
@@ -334,7 +341,7 @@ std::vector<Operation> surface_operations() {
       {"decimate: max_triangles", kOptions | kBall, decimation_to_count, 0, 8},
       {"hausdorff_distance", kSheet, hausdorff, 0, 64},
       {"surface_distances", kSheet, between_surfaces, 0, 64},
-      {"remesh", kSheet, remeshing, 0, 8},
+      {"remesh", kOptions | kSheet, remeshing, 0, 8},
       {"split_edges", kSheet, splitting, 0, 8},
       {"farthest_points", kSheet, farthest, 0, 8},
       {"facing_shares", kSheet | kContacts, facing, 0, 8},
@@ -345,7 +352,7 @@ std::vector<Operation> surface_operations() {
        by(ContactTriangulationMethod::delaunay, triangulation), 0, 8},
       {"triangulate_contacts: voronoi_dual", kSheet | kContacts,
        by(ContactTriangulationMethod::voronoi_dual, triangulation), 0, 8},
-      {"map_surface", kSheet | kContacts, mapping, 0, 64},
+      {"map_surface", kOptions | kSheet | kContacts, mapping, 0, 64},
   };
 }
 

@@ -91,6 +91,8 @@ class DerivedModels(unittest.TestCase):
             self.force(model, turned, DISPLACEMENTS @ POSE[:3, :3].T), self.forces @ POSE[:3, :3].T, atol=2e-3)
         with self.assertRaises(palpate.InvalidInput):
             palpate.map_surface(surface, target, at[:2], at[:2])
+        with self.assertRaisesRegex(palpate.InvalidInput, "max_landmark_distance is 0; it must be > 0"):
+            palpate.map_surface(surface, target, at, at, max_landmark_distance=0)
 
 
 if __name__ == "__main__":

@@ -254,6 +254,10 @@ class Surfaces(unittest.TestCase):
         np.testing.assert_allclose((values * result.barycentric).sum(axis=1), result.mesh.vertices[:, 0], atol=1e-9)
         with self.assertRaisesRegex(palpate.InvalidInput, "edge_length"):
             palpate.remesh(mesh, edge_length=0)
+        with self.assertRaisesRegex(palpate.InvalidInput, "edge_length must be given"):
+            palpate.remesh(mesh)
+        with self.assertRaisesRegex(palpate.InvalidInput, "more than the 100 that are allowed"):
+            palpate.remesh(mesh, edge_length=0.5, max_triangles=100)
 
     def test_a_plane_needs_two_triangles(self):
         seen = []

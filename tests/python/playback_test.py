@@ -42,6 +42,31 @@ class Playing(unittest.TestCase):
             self.playback.play(tools, times).write(path)
             self.assertEqual(path.read_bytes(), (PAGE / "trace.csv").read_bytes())
 
+    def test_a_device_that_follows_its_way_feels_what_the_way_feels(self):
+        tools, times = palpate.read_trajectory(DEMO / "trajectory.csv")
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "session.bin"
+            rigid = palpate.play_device(self.playback, tools, times, device="recorded", coupling=np.inf, ramp=1e-9, slew=1e9,
+                                        record=path)
+            trace = palpate.read_device_trace(path)
+        self.assertEqual(rigid.ticks, len(trace))
+        self.assertTrue(np.isinf(rigid.coupling_stiffness))
+        played = self.playback.play(trace.tool)
+        self.assertEqual(rigid.states, {word: (played.state == word).sum() for word in ("free", "stick", "slip")})
+        self.assertAlmostEqual(rigid.largest_force, min(3.3, np.linalg.norm(played.force, axis=1).max()), 6)
+
+    def test_a_hand_gives_way_and_forces_are_limited(self):
+        tools, times = palpate.read_trajectory(DEMO / "trajectory.csv")
+        weak, strong = (palpate.play_device(self.playback, tools, times, stiffness=k) for k in (0.01, 1))
+        self.assertLess(weak.largest_displacement, 0.8 * strong.largest_displacement)
+        limited = palpate.play_device(self.playback, tools, times, device="recorded", max_force=0.1)
+        self.assertLessEqual(limited.largest_force, 0.1 + 1e-9)
+        self.assertGreater(limited.safety["clamped"], 0)
+        for options, words in (({"max_force": 0}, "max_force is 0 N; it must be > 0"), ({"mass": -1}, "mass is -1 kg"),
+                               ({"device": "foot"}, "device: is 'foot'; it must be one of 'hand'")):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                palpate.play_device(self.playback, tools, times, **options)
+
     def test_positions_of_any_form_are_taken(self):
         tools, _, states = recorded("trace.csv")
         tool = tools[np.flatnonzero(states == "stick")[100]]

@@ -53,7 +53,7 @@ class Cleaning(unittest.TestCase):
         corners = whole.vertices[whole.triangles]
         kept = whole.triangles[(np.abs(corners - [5, 5, 0]) > 1.5).any(axis=(1, 2))]
         try:
-            filled = palpate.fill_holes(palpate.TriangleMesh(whole.vertices, kept), 6)
+            filled = palpate.fill_holes(palpate.TriangleMesh(whole.vertices, kept), max_diameter=6)
         except palpate.Error as error:
             self.assertIn("without CGAL", str(error))
             self.skipTest("the library was built without CGAL")

@@ -40,6 +40,25 @@ class Designing(unittest.TestCase):
                 palpate.design_pattern(rig, **options)
 
 
+class Cameras(unittest.TestCase):
+    def test_a_simulated_camera_plays_the_images_of_a_folder(self):
+        camera = palpate.LiveCamera(f"simulated:{DEMO / 'frames'}", rate=100)
+        shown = [palpate.read_frame(path) for path in sorted((DEMO / "frames").iterdir())]
+        for _ in range(3):
+            frame, number, time = camera.next()
+            np.testing.assert_array_equal(frame, shown[number % len(shown)])
+            self.assertAlmostEqual(time, number / 100)
+        self.assertEqual(camera.warnings, [])
+
+    def test_what_a_camera_does_not_offer_is_refused(self):
+        for options, words in (({"rate": 0}, "rate is 0 frames/s; it must be > 0"), ({"gain": np.nan}, "gain is nan; it must be finite"),
+                               ({"size": (100, 100)}, "another size is not possible")):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                palpate.LiveCamera(f"simulated:{DEMO / 'frames'}", **options)
+        with self.assertRaisesRegex(palpate.InvalidInput, "it must be aravis:NAME"):
+            palpate.LiveCamera("webcam")
+
+
 class Decoding(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

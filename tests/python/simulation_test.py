@@ -47,6 +47,18 @@ class Specimens(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "force: its shape"):
             palpate.Specimen(BODY).displacement([0, 0, 700], [1, 2])
 
+    def test_known_forces_are_those_of_the_formula(self):
+        body, seen = palpate.Specimen(BODY), []
+        known = palpate.known_forces(body, queries=20, margin=5, max_force=2, progress=lambda *counts: seen.append(counts))
+        self.assertEqual((known.contacts.shape, len(known.unanswered), seen[-1]), ((20, 3), 0, (20, 20)))
+        axis, _ = body.friction_cone(known.contacts[0])
+        along = known.forces @ axis
+        expected = NORMAL * along[:, None] * axis + TANGENTIAL * (known.forces - along[:, None] * axis)
+        np.testing.assert_allclose(known.displacements, expected, atol=1e-9)
+        self.assertLessEqual(np.linalg.norm(known.forces, axis=1).max(), 2)
+        with self.assertRaisesRegex(palpate.InvalidInput, "max_force"):
+            palpate.known_forces(body, max_force=0.05)
+
     def test_a_file_is_read(self):
         specimen = palpate.read_specimen(DEMO / "probing/sheet_block.json")
         self.assertGreater(len(specimen.surface.triangles), 1000)

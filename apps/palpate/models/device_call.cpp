@@ -3,72 +3,44 @@
 #include "models/device_call.h"
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
+#include <array>
 #include <map>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/core/input_file.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/trajectory_device.h"
 #include "palpate/haptics/trajectory_file.h"
 #include "palpate/probing/plugin_arm.h"
 #include "palpate/probing/remote_arm.h"
+#include "shared/field_options.h"
 
 namespace palpate::apps {
 namespace {
 
-// Devices that have a setting, as bits.
-constexpr unsigned kOfPath = 1;  // recorded and scripted
-constexpr unsigned kOfHand = 2;
-constexpr unsigned kOfArm = 4;
-
-struct HandSetting {
-  std::string_view key, unit;
-  unsigned devices;
-  void (*set)(haptics::HandOptions&, double);
-};
-
-constexpr int kMostDelay = 1000;  // [ticks]; far beyond what `HandOptions` takes
-
-constexpr HandSetting kHandSettings[] = {
-    {"mass", "[kg]", kOfHand | kOfArm, [](haptics::HandOptions& h, double x) { h.mass = x; }},
-    {"damping", "[N s/mm]", kOfHand | kOfArm,
-     [](haptics::HandOptions& h, double x) { h.damping = x; }},
-    {"friction", "[N]", kOfHand, [](haptics::HandOptions& h, double x) { h.friction = x; }},
-    {"stiffness", "[N/mm]", kOfHand | kOfArm,
-     [](haptics::HandOptions& h, double x) { h.stiffness = x; }},
-    {"encoder_step", "[mm]", kOfHand,
-     [](haptics::HandOptions& h, double x) { h.encoder_step = x; }},
-    {"delay", "[ticks]", kOfHand,
-     [](haptics::HandOptions& h, double x) {
-       h.delay = static_cast<int>(std::clamp<double>(x, -1, kMostDelay));
-     }},
-    {"rate", "[Hz]", kOfPath | kOfHand,
-     [](haptics::HandOptions& h, double x) { h.period = 1 / x; }},
-};
-
-unsigned simulated_kind(const std::string& device) {
+/// The fields of `HandOptions` that are settings of a simulated device.
+std::span<const std::string_view> known_settings(const std::string& device) {
+  static constexpr std::array<std::string_view, 1> kOfPath{"rate"};
+  static constexpr std::array<std::string_view, 3> kOfArm{"mass", "damping", "stiffness"};
+  static constexpr std::array<std::string_view, 7> kOfHand{
+      "mass", "damping", "friction", "stiffness", "encoder_step", "delay", "rate"};
   if (device == kHeldArm) return kOfArm;
-  return device == kHand ? kOfHand : kOfPath;
+  if (device == kHand) return kOfHand;
+  return kOfPath;
 }
 
-std::string settings_in_words(unsigned kind) {
+std::string settings_in_words(std::span<const std::string_view> known) {
+  haptics::HandOptions hand;
   std::string words;
-  for (const HandSetting& setting : kHandSettings) {
-    if ((setting.devices & kind) == 0) continue;
-    if (!words.empty()) words += ", ";
-    words.append(setting.key).append(" ").append(setting.unit);
+  for (const FieldText& field : texts_of(fields_of(hand))) {
+    if (std::ranges::find(known, field.name) == known.end()) continue;
+    words += (words.empty() ? "" : ", ") + field.name + " [" + field.unit + "]";
   }
   return words;
-}
-
-double number_of(const std::string& key, const std::string& text) {
-  const std::optional<double> value = parse_number<double>(text);
-  if (value && std::isfinite(*value)) return *value;
-  throw InvalidInput("--set " + key + "=" + text + ": must be a finite number");
 }
 
 /// Converts the trajectory, given in the object's frame, to a path of the device.
@@ -113,20 +85,19 @@ void check_driver(const std::string& device) {
                   "driver of a device, a shared library");
 }
 
+std::string hand_settings_in_words() { return settings_in_words(known_settings(kHand)); }
+
 haptics::HandOptions hand_options(const DeviceCall& call) {
   haptics::HandOptions hand;
   hand.real_time = call.real_time;
-  const unsigned kind = simulated_kind(call.device);
+  const std::span<const std::string_view> known = known_settings(call.device);
   for (const auto& [key, text] : device_settings(call)) {
-    const auto* const setting =
-        std::ranges::find_if(kHandSettings, [&key = key, kind](const HandSetting& one) {
-          return one.key == key && (one.devices & kind) != 0;
-        });
-    if (setting == std::end(kHandSettings)) {
+    if (std::ranges::find(known, key) == known.end()) {
       throw InvalidInput("--set " + key + ": --device " + call.device + " has " +
-                         settings_in_words(kind));
+                         settings_in_words(known));
     }
-    setting->set(hand, number_of(key, text));
+    with_names({{"HandOptions::" + key, "--set " + key}},
+               [&, &key = key, &text = text] { assign(fields_of(hand), key, text); });
   }
   return hand;
 }
@@ -164,7 +135,7 @@ OpenedDevice open_device(const DeviceCall& call, const haptics::DeviceLoopOption
   const bool recorded = call.device == kRecorded;
   haptics::TimedPath path =
       path_of(call, options, recorded ? haptics::PathShape::linear : haptics::PathShape::smooth);
-  const double duration = std::max(path.duration(), hand.period);
+  const double duration = std::max(path.duration(), hand.period());
   if (call.device == kHand) {
     return {std::make_unique<haptics::SimulatedHand>(std::move(path), hand), duration};
   }
@@ -172,8 +143,8 @@ OpenedDevice open_device(const DeviceCall& call, const haptics::DeviceLoopOption
     return {std::make_unique<haptics::HeldArm>(std::move(path), hand), duration};
   }
   return {std::make_unique<haptics::TrajectoryDevice>(
-              std::move(path),
-              haptics::TrajectoryDeviceOptions{.period = hand.period, .real_time = call.real_time}),
+              std::move(path), haptics::TrajectoryDeviceOptions{.period = hand.period(),
+                                                                .real_time = call.real_time}),
           duration};
 }
 

@@ -47,6 +47,9 @@ constexpr const char* kHeldArm = "arm";
 /// Checks that the driver's file exists. \throws FileError otherwise.
 void check_driver(const std::string& device);
 
+/// The settings of the simulated hand: "mass [kg], damping [N s/mm], ...".
+[[nodiscard]] std::string hand_settings_in_words();
+
 /// The settings of a simulated device. \throws InvalidInput for one that it does not have.
 [[nodiscard]] haptics::HandOptions hand_options(const DeviceCall& call);
 

@@ -58,7 +58,7 @@ struct PlayOption {
   const char* needs;
 };
 
-// Every option of the command except those of playback and those that all commands have.
+// Every option of the command except those of lists and those that all commands have.
 constexpr PlayOption kPlayOptions[] = {
     {"--trajectory", kAlong | kWithSimulated, "a model folder, alone or with a simulated --device"},
     {"--record", kAlong | kAnyDevice | kScene, "--trajectory, --device or a scene file"},
@@ -78,10 +78,6 @@ constexpr PlayOption kPlayOptions[] = {
     {"--scale", kAnyDevice | kAnyStability, "--device or --stability"},
     {"--clutch-button", kAnyDriver, "the driver of a device as --device"},
     {"--coupling", kAnyDevice | kAnyStability, "--device or --stability"},
-    {"--max-force", kAnyDevice | kAnyStability, "--device or --stability"},
-    {"--slew", kAnyDevice, "--device"},
-    {"--ramp", kAnyDevice, "--device"},
-    {"--heating-time", kAnyDevice, "--device"},
     {"--exchange", kModelDevice | kReplaying, "--device or --replay, with a model folder"},
     {"--exchange-at", kModelDevice, "--device, with a model folder"},
     {"--stability", kAnyStability, "a model folder, and no --replay"},
@@ -121,6 +117,12 @@ void refuse_idle_options(const CLI::App& play, PlayWay way) {
     throw InvalidInput(name + ": does nothing " + words_of_way(way) + "; it needs " + needs);
   };
   for (const PlayOption& option : kPlayOptions) refuse_idle(option.name, option.ways, option.needs);
+  haptics::SafetyOptions safety;
+  for (const FieldText& field : texts_of(fields_of(safety))) {
+    const bool has_stability = field.name == "max_force";  // the stiffness is that up to this force
+    refuse_idle(option_name(field.name), kAnyDevice | (has_stability ? kAnyStability : 0U),
+                has_stability ? "--device or --stability" : "--device");
+  }
   haptics::PlaybackOptions playback;
   for (const FieldText& field : texts_of(fields_of(playback))) {
     refuse_idle(option_name(field.name), kAlong | kModelDevice,
@@ -274,10 +276,9 @@ void add_device_options(CLI::App& command, PlayCall& call) {
                      "held by the hand), or a driver, a shared library (docs/devices.md)");
   command.add_option("--tool", device.tool,
                      "Name of the tool of a scene that the device moves (default: the first)");
-  command.add_option("--set", device.settings,
-                     "Options of the device, KEY=VALUE; of simulated ones mass [kg], damping [N "
-                     "s/mm], friction [N], stiffness [N/mm], encoder_step [mm], delay [ticks], "
-                     "rate [Hz]");
+  command.add_option(
+      "--set", device.settings,
+      "Options of the device, KEY=VALUE; of the simulated hand " + hand_settings_in_words());
   command.add_option("--device-number", device.number, "Which of a driver's devices, from 0");
   command.add_flag("--in-process", device.in_process,
                    "Run the driver in this process: faster, but if it crashes, so does the loop");
@@ -299,15 +300,7 @@ void add_device_options(CLI::App& command, PlayCall& call) {
       "--coupling", device.coupling,
       "Stiffness of the virtual coupling: auto (from the device's damping and delay), off, "
       "or a number [N/mm]");
-  add_number(command, "--max-force", device.safety.force, above(0).finite(),
-             "Largest force [N]; larger ones are reduced to it");
-  add_number(command, "--slew", device.safety.slew, above(0).finite(),
-             "Largest growth of a force [N/s]");
-  add_number(command, "--ramp", device.safety.ramp, above(0).finite(),
-             "Time in which the force grows after a start or a fault [s]");
-  add_number(command, "--heating-time", device.safety.heating_time, at_least(0.1).finite(),
-             "Time constant of the motors' heat [s], which limits how long a force is above "
-             "the continuous one that the device declares (default: 10)");
+  add_fields(command, fields_of(device.safety));
   command.add_option("--exchange", device.exchange,
                      "Another model, which replaces the first after the time --exchange-at");
   add_number(command, "--exchange-at", device.exchange_at, at_least(0).finite(),

@@ -17,14 +17,14 @@ namespace palpate::apps {
 
 void play_stability(const Settings& settings, const DeviceCall& call) {
   const haptics::Model model = playable_model(call.model);
-  const haptics::ModelStiffness stiffness = haptics::model_stiffness(model, call.safety.force);
+  const haptics::ModelStiffness stiffness = haptics::model_stiffness(model, call.safety.max_force);
   haptics::HandOptions hand;
   double scale = call.scale.value_or(1);
   bool declared = true;  // the resolution
   if (is_driver(call.device)) {
     const OpenedDevice device = open_driver(call);
     const probing::ArmDescription& description = device.arm->description();
-    hand.period = description.period;
+    hand.rate = 1 / description.period;
     hand.damping = description.damping;
     hand.friction = description.friction;
     declared = description.resolution > 0;
@@ -40,9 +40,9 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
         call.device);
   }
   const haptics::CouplingOptions coupling = coupling_of(call.coupling);
-  const double delay = hand.delay * hand.period;
-  const double passive = haptics::passive_stiffness(hand.damping, hand.period, delay);
-  const double spring = haptics::coupling_stiffness(coupling, hand.damping, hand.period, delay);
+  const double delay = hand.delay * hand.period();
+  const double passive = haptics::passive_stiffness(hand.damping, hand.period(), delay);
+  const double spring = haptics::coupling_stiffness(coupling, hand.damping, hand.period(), delay);
   const auto felt = [&](double object) { return object * spring / (object + spring); };
   haptics::CouplingOptions off = coupling;
   off.on = false;
@@ -82,7 +82,7 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
          {"stiffest_contact", stiffness.stiffest},
          {"damping", hand.damping},
          {"delay", delay},
-         {"rate", 1 / hand.period},
+         {"rate", hand.rate},
          {"passive_stiffness", passive},
          {"coupling_stiffness", number_or_null(coupling.on ? std::optional(spring) : std::nullopt)},
          {"felt_stiffness", felt_largest},
@@ -104,8 +104,8 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
             "{}\n"
             "Damping [N s/mm] that a device needs without a coupling, with a delay of {} ticks:\n"
             "       rate       median      largest{}",
-            median, largest, stiffness.stiffest, hand.damping, 1 / hand.period, 1e3 * delay,
-            passive, hand.mass, calm_words(calm_without), calm_words(calm_with),
+            median, largest, stiffness.stiffest, hand.damping, hand.rate, 1e3 * delay, passive,
+            hand.mass, calm_words(calm_without), calm_words(calm_with),
             coupling.on ? fmt::format("The coupling has {:.3g} N/mm: the user feels {:.3g} N/mm in "
                                       "the median, at most {:.3g} N/mm",
                                       spring, felt(median), felt_largest)

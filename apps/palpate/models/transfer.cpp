@@ -23,6 +23,7 @@
 #include "palpate/probing/csv.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/model_pictures.h"
 #include "shared/output_checks.h"
 #include "shared/words.h"
@@ -204,12 +205,7 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
                   "With --onto: the model's surface mapped onto the other, with distortions as "
                   "vertex attributes (PLY)")
       ->needs(onto);
-  add_number(
-      command, "--max-bad-share", call->map.max_bad_share, at_least(0).at_most(1),
-      "With --onto: reject a map that distorts areas or angles by more than a factor of 3, or "
-      "folds, in more than this share of the area")
-      ->capture_default_str()
-      ->needs(onto);
+  add_fields_of(*onto, command, fields_of(call->map));
 }
 
 }  // namespace

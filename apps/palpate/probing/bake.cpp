@@ -23,7 +23,6 @@
 #include "palpate/probing/known_forces.h"
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/specimen_trials.h"
-#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
 #include "shared/output_checks.h"
@@ -91,9 +90,8 @@ probing::KnownForces compute_queries(const probing::Specimen& specimen, const Ba
   probing::KnownForceOptions options = call.queries;
   options.max_force = call.plan.max_force;
   options.progress = shown_as("computing forces to compare with");
-  return with_names(
-      {{"known_forces()", call.specimen.string()}, {"KnownForceOptions::count", "--queries"}},
-      [&] { return probing::known_forces(specimen, options); });
+  return with_names({{"known_forces()", call.specimen.string()}},
+                    [&] { return probing::known_forces(specimen, options); });
 }
 
 probing::SpecimenTrials compute_samples(const probing::Specimen& specimen,
@@ -187,7 +185,7 @@ void bake(const Settings& settings, const BakeCall& call) {
 
 void add_bake(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<BakeCall>();
-  call->queries.count = 100;
+  call->queries.queries = 100;
   CLI::App* command = app.add_subcommand(
       "bake", "Make a model of a simulated object, such as one of finite elements");
   add_required(*command, "SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)");
@@ -195,12 +193,8 @@ void add_bake(CLI::App& app, const Settings& settings) {
   constexpr std::array<std::string_view, 4> kOfPlan{"spacing", "contacts", "directions",
                                                     "max_force"};
   add_fields(*command, fields_of(call->plan), kOfPlan);
-  add_number(*command, "--queries", call->queries.count, at_least(0),
-             "Number of known forces between contacts, to compare the model with")
-      ->capture_default_str();
-  add_number(*command, "--margin", call->queries.margin, at_least(0).finite(),
-             "Smallest distance of these forces from the border of the surface [mm]")
-      ->capture_default_str();
+  constexpr std::array<std::string_view, 4> kOfQueries{"queries", "margin", "least_force", "seed"};
+  add_fields(*command, fields_of(call->queries), kOfQueries);
   command->add_option(
       "--acquisition", call->acquisition,
       "Also write the samples to a database (acquisition.db), for palpate fit and evaluate");

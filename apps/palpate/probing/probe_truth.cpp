@@ -15,7 +15,6 @@
 #include "palpate/probing/csv.h"
 #include "palpate/probing/specimen_file.h"
 #include "probing/probe.h"
-#include "shared/call_checks.h"
 #include "shared/field_options.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
@@ -52,16 +51,15 @@ void tell_truth(const Settings& settings, const TruthCall& call) {
       probing::parse_specimen(probing::read_specimen_text(call.specimen), call.specimen.string());
   probing::KnownForceOptions options = call.options;
   options.progress = shown_as("computing forces");
-  with_names(
-      {{"known_forces()", call.specimen.string()}, {"KnownForceOptions::count", "--queries"}},
-      [&] { write_truth(call.output, *specimen, options); });
+  with_names({{"known_forces()", call.specimen.string()}},
+             [&] { write_truth(call.output, *specimen, options); });
   const auto vertices = specimen->surface().vertices.cols();
   print(settings,
         {{"vertices", vertices},
-         {"known_forces", call.options.count},
+         {"known_forces", call.options.queries},
          {"output", call.output.string()}},
         fmt::format("Surface with {} vertices and {} known forces, written to {}", vertices,
-                    call.options.count, call.output.string()));
+                    call.options.queries, call.output.string()));
 }
 
 }  // namespace
@@ -80,16 +78,7 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
       probe.add_subcommand("truth", "Write the surface and known forces of a simulated object");
   add_required(*command, "SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)");
   add_required(*command, "-o,--output", call->output, "Folder for surface.ply and queries.csv");
-  add_number(*command, "--queries", call->options.count, at_least(0), "Number of known forces")
-      ->capture_default_str();
-  add_number(*command, "--margin", call->options.margin, at_least(0).finite(),
-             "Smallest distance of their points from the border [mm]")
-      ->capture_default_str();
-  add_number(*command, "--max-force", call->options.max_force, above(0.1).finite(),
-             "Largest of the forces [N]")
-      ->capture_default_str();
-  command->add_option("--seed", call->options.seed, "Seed of the random points and forces")
-      ->capture_default_str();
+  add_fields(*command, fields_of(call->options));
   command->footer(
       "Example:\n  palpate probe truth sheet.json -o truth/\n"
       "  palpate evaluate model/ --queries truth/queries.csv");

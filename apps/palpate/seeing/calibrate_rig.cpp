@@ -17,8 +17,8 @@
 #include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"
 #include "seeing/printed_board.h"
-#include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
@@ -164,6 +164,7 @@ void draw_picture(const fs::path& png, const sensing::RigCalibration& calibratio
 void calibrate_rig(const Settings& settings, const RigCall& call) {
   check_outputs(call.folders, {call.output, call.picture});
   check_pictures({call.picture});
+  sensing::check_rig_calibration(call.options);
   const sensing::RigViewFiles files = sensing::read_rig_views(
       call.folders, call.board.printed, call.projector, {}, shown_as("reading views"));
   const sensing::RigCalibration calibration =
@@ -212,10 +213,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
   add_board_options(*rig, call->board);
   rig->add_option("--projector-size", call->projector_size,
                   "Projector size [px], such as 1024x768");
-  add_word(*rig, "--distortion", call->options.distortion_terms, {"0", "2", "4", "5"},
-           "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (also p1 p2) or 5 "
-           "(also k3; needs boards that reach the corners of the image)")
-      ->capture_default_str();
+  add_fields(*rig, fields_of(call->options));
   rig->add_option("-o,--output", call->output, "Rig file to write (rig.yaml)");
   rig->add_option("--picture", call->picture, "Also draw the residuals (PNG)");
   rig->add_option("--draw", call->draw, "Only write the images to project, into this new folder");

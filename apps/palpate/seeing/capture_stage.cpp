@@ -19,6 +19,7 @@
 #include "palpate/sensing/recording.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 
 namespace palpate::apps {
 namespace {
@@ -41,11 +42,7 @@ void add_live_camera_options(CLI::App& command, LiveCameraCall& call) {
                "images or a video in a loop; palpate capture list lists the available cameras");
   add_number(command, "--size", call.size, at_least(2), "Width and height of the frames [px]")
       ->expected(2);
-  add_number(command, "--rate", call.settings.rate, above(0).finite(), "Frames per second");
-  add_number(command, "--exposure", call.settings.exposure_us, above(0).finite(),
-             "Exposure time [us]");
-  add_number(command, "--gain", call.settings.gain, finite(),
-             "Gain, in the camera's unit (usually dB)");
+  add_fields(command, fields_of(call.settings));
   command.add_option("--pixel-format", call.settings.pixel_format,
                      "As GenICam names it, such as Mono8, BayerRG8, BayerRG12, RGB8");
   add_number(command, "--patience", call.patience, above(0).finite(),

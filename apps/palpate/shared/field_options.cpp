@@ -19,7 +19,7 @@ namespace palpate::apps {
 namespace {
 
 std::string name_of(const auto& field) {
-  return option_name(field.item.empty() ? field.name : field.item);
+  return option_name(field.option.empty() ? field.name : field.option);
 }
 
 /// The flag that changes a field: "--rate", or "--no-rate" for one that is true by default.
@@ -87,7 +87,7 @@ class OptionMaker : public FieldVisitor {
     if (!is_wanted(field)) return;
     const std::vector<std::string> words(value.words.begin(), value.words.end());
     CLI::Option* option = command_.add_option_function<std::string>(
-        option_name(field.name),
+        name_of(field),
         [words, set = value.set](const std::string& word) {
           set(static_cast<std::size_t>(std::ranges::find(words, word) - words.begin()));
         },
@@ -123,8 +123,8 @@ class OptionMaker : public FieldVisitor {
     if (!is_wanted(field)) return;
     const ShownUnit unit(field.unit);
     CLI::Option* option = command_.add_option_function<Number>(
-        option_name(field.name),
-        [set = value.set, unit](const Number& given) { set(unit.meant(given)); }, text_of(field));
+        name_of(field), [set = value.set, unit](const Number& given) { set(unit.meant(given)); },
+        text_of(field));
     option->check(checked<Number>(unit.shown_range(value.range)));
     if (value.value) option->default_str(fmt::format("{}", unit.shown(*value.value)));
     keep(field, option);

@@ -20,18 +20,21 @@
 namespace palpate::apps {
 namespace {
 
-/// Iterations of smoothing. A surface is smooth over its whole width long before.
-constexpr int kMostSmoothing = 1000;
-
 /// Makes the mesh. Shows a bar from the first step on that may take long.
 MadeMesh make_with_bar(const MeshCall& call) {
   MeshSteps steps = call.steps;
-  steps.repairing = shown_as("repairing");
-  steps.filling = shown_as("filling holes");
-  steps.removing_intersections = shown_as("removing self-intersections");
-  steps.remeshing = shown_as("remeshing");
+  steps.repairing.progress = shown_as("repairing");
+  steps.filling.progress = shown_as("filling holes");
+  steps.intersections.progress = shown_as("removing self-intersections");
+  steps.remeshing.progress = shown_as("remeshing");
   steps.decimation.progress = shown_as("decimating");
   return make_mesh(call.inputs.front(), steps);
+}
+
+/// The options of a step that is done if the first of them is given; the others need that one.
+void add_step(CLI::App& command, const FieldList& fields) {
+  const std::vector<CLI::Option*> options = add_fields(command, fields);
+  for (std::size_t i = 1; i < options.size(); ++i) options[i]->needs(options.front());
 }
 
 void mesh(const Settings& settings, const MeshCall& call) {
@@ -70,6 +73,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
                             ->capture_default_str();
   add_camera_options(*command, call->steps.camera);
   add_selection_options(*command, call->steps.camera);
+  add_fields(*command, fields_of(call->steps.meshing));
   add_unit_option(*command, call->steps.meshes);
   CLI::Option* smooth_depths = command->add_flag(
       "--smooth-depths", call->steps.smooth_depths,
@@ -93,27 +97,13 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   command->add_flag(
       "--repair", call->steps.repair,
       "Repair the defects that palpate info lists; the result is manifold and oriented");
-  add_number(*command, "--fill-holes", call->steps.fill_holes, above(0),
-             "Fill holes up to this diameter [mm]");
-  add_number(*command, "--smooth", call->steps.smooth, at_least(0).at_most(kMostSmoothing),
-             "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
-             "noise");
+  add_fields(*command, fields_of(call->steps.filling));
+  add_step(*command, fields_of(call->steps.smoothing));
   command->add_flag(
       "--remove-intersections", call->steps.remove_intersections,
       "Mend where neighbouring parts of the surface pass through each other, as noise, "
       "spikes and folds leave them; where distant parts do, they stay, and are counted");
-  CLI::Option* remesh =
-      add_number(*command, "--remesh", call->steps.remesh, above(0).finite(),
-                 "Make the triangles nearly equilateral, with edges of this length [mm]; the "
-                 "border and sharp edges stay where they are");
-  command
-      ->add_option_function<double>(
-          "--feature-angle",
-          [call](double degrees) { call->steps.feature_angle = degrees * kDegree; },
-          "With --remesh: edges at which the surface bends by more than this are sharp [degrees] "
-          "(default: 60)")
-      ->check(within(above(0).at_most(180)))
-      ->needs(remesh);
+  add_step(*command, fields_of(call->steps.remeshing));
   add_fields(*command, fields_of(call->steps.decimation));
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   add_shard_option(*command, call->shard);

@@ -13,17 +13,13 @@
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
 #include "palpate/geometry/attribute_transfer.h"
-#include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/median.h"
 #include "palpate/geometry/mesh_measures.h"
-#include "palpate/geometry/mesh_repair.h"
-#include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_smoothing.h"
-#include "palpate/geometry/self_intersection_removal.h"
 #include "palpate/geometry/self_intersections.h"
-#include "palpate/geometry/smoothing.h"
 #include "palpate/geometry/surface_query.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/surface_colors.h"
 
 namespace palpate::apps {
@@ -87,6 +83,10 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
                          ": --smooth-depths works for range maps, not for meshes.");
     check_is_no_depth_call(input, steps.camera);
     check_selects_nothing(input, steps.camera);
+    geometry::RangeMapMeshOptions meshing = steps.meshing, usual;
+    const std::string given = changed_options(fields_of(meshing), fields_of(usual));
+    if (!given.empty())
+      throw InvalidInput(input.string() + ":" + given + " works for range maps, not for meshes.");
     if (lower_extension(input) == ".pcd") {
       throw InvalidInput(input.string() +
                          ": holds points without a surface. If they are organised, a point per "
@@ -106,7 +106,7 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   if (steps.smooth_depths) smooth_depths(input, steps.noise, map);
   const auto known = (map.z == map.z).count();
   MadeMesh made;
-  made.mesh = geometry::mesh_range_map(map).mesh;
+  made.mesh = geometry::mesh_range_map(map, steps.meshing).mesh;
   made.camera = map.camera;
   made.figures["pixels"] = known;
   made.prose = fmt::format("{} pixels with a depth\n", known);
@@ -139,7 +139,7 @@ void drop_normals(geometry::Attributes& attributes) {
 }
 
 void repair(MadeMesh& made, const MeshSteps& steps) {
-  geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh, {.progress = steps.repairing});
+  geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh, steps.repairing);
   made.attributes = geometry::selected_attributes(made.attributes, repaired.source);
   carry_texture(made, repaired.mesh, repaired.source);
   made.mesh = std::move(repaired.mesh);
@@ -182,8 +182,7 @@ void take_patched(MadeMesh& made, geometry::TriangleMesh after, std::span<const 
 }
 
 void fill_holes(MadeMesh& made, const MeshSteps& steps) {
-  geometry::FilledMesh filled = geometry::fill_holes(
-      made.mesh, {.max_diameter = *steps.fill_holes, .progress = steps.filling});
+  geometry::FilledMesh filled = geometry::fill_holes(made.mesh, steps.filling);
   std::vector<int> source(static_cast<std::size_t>(filled.mesh.vertices.cols()), -1);
   std::iota(source.begin(), source.begin() + made.mesh.vertices.cols(), 0);
   take_patched(made, std::move(filled.mesh), source);
@@ -193,7 +192,7 @@ void fill_holes(MadeMesh& made, const MeshSteps& steps) {
 
 void remove_intersections(MadeMesh& made, const MeshSteps& steps) {
   geometry::SelfIntersectionRemoval removal =
-      geometry::remove_self_intersections(made.mesh, {.progress = steps.removing_intersections});
+      geometry::remove_self_intersections(made.mesh, steps.intersections);
   take_patched(made, std::move(removal.mesh), removal.source);
   made.figures["self_intersections"] = {{"found", removal.found}, {"left", removal.left}};
   made.prose +=
@@ -201,12 +200,10 @@ void remove_intersections(MadeMesh& made, const MeshSteps& steps) {
 }
 
 void remesh(MadeMesh& made, const MeshSteps& steps) {
-  geometry::Remeshing remeshed = geometry::remesh(made.mesh, {.edge_length = *steps.remesh,
-                                                              .feature_angle = steps.feature_angle,
-                                                              .progress = steps.remeshing});
+  geometry::Remeshing remeshed = geometry::remesh(made.mesh, steps.remeshing);
   made.attributes = geometry::interpolated_attributes(made.attributes, made.mesh, remeshed.places);
   const geometry::MeshShape shape = geometry::mesh_shape(remeshed.mesh);
-  made.figures["remeshing"] = {{"edge_length", *steps.remesh},
+  made.figures["remeshing"] = {{"edge_length", *steps.remeshing.edge_length},
                                {"triangles_before", made.mesh.triangles.cols()},
                                {"triangles_after", remeshed.mesh.triangles.cols()},
                                {"mean_edge", shape.mean_edge}};
@@ -286,10 +283,10 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   MadeMesh made = load(input, steps);
   drop_normals(made.attributes);
   if (steps.repair) repair(made, steps);
-  if (steps.fill_holes) fill_holes(made, steps);
-  if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
+  if (steps.filling.max_diameter) fill_holes(made, steps);
+  if (steps.smoothing.iterations > 0) made.mesh = geometry::smooth(made.mesh, steps.smoothing);
   if (steps.remove_intersections) remove_intersections(made, steps);
-  if (steps.remesh) remesh(made, steps);
+  if (steps.remeshing.edge_length) remesh(made, steps);
   if (steps.decimation.tolerance || steps.decimation.max_triangles) decimate(input, made, steps);
   if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);
   if (!steps.color_images.empty())

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -10,8 +9,13 @@
 
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/depth_noise.h"
+#include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_repair.h"
+#include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/remeshing.h"
+#include "palpate/geometry/self_intersection_removal.h"
+#include "palpate/geometry/smoothing.h"
 #include "palpate/geometry/texture.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "shared/map_camera.h"
@@ -27,18 +31,15 @@ struct MeshSteps {
   std::optional<geometry::DepthNoise> noise = {};
   bool color = false;          ///< of the vertices, from the NNNNNN_color.png beside the range map
   fs::path color_images = {};  ///< folder of pictures for the same; may be empty
+  geometry::RangeMapMeshOptions meshing = {};
   bool repair = false;
-  std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
-  int smooth = 0;                    ///< iterations
+  geometry::RepairOptions repairing = {};
+  geometry::HoleFillingOptions filling = {};  ///< done if its diameter is given
+  geometry::SmoothingOptions smoothing = {.iterations = 0};
   bool remove_intersections = false;
-  std::optional<double> remesh;                                       ///< [mm] length of the edges
-  double feature_angle = geometry::RemeshingOptions{}.feature_angle;  ///< [rad] of remeshing
-  geometry::DecimationOptions decimation;                   ///< if one of its targets is given
-  std::function<void(int done, int total)> repairing = {};  ///< see RepairOptions::progress
-  std::function<void(int done, int total)> filling = {};    ///< see HoleFillingOptions::progress
-  /// See SelfIntersectionRemovalOptions::progress.
-  std::function<void(int done, int total)> removing_intersections = {};
-  std::function<void(int done, int total)> remeshing = {};  ///< see RemeshingOptions::progress
+  geometry::SelfIntersectionRemovalOptions intersections = {};
+  geometry::RemeshingOptions remeshing = {};    ///< done if its length is given
+  geometry::DecimationOptions decimation = {};  ///< done if one of its targets is given
 };
 
 /// A mesh, and a description of the steps in numbers and in words.

@@ -57,6 +57,11 @@ void require(std::string_view name, const std::optional<double>& value, const In
   if (value) require(name, *value, range, unit);
 }
 
+void require_given(std::string_view name, bool is_given) {
+  if (is_given) return;
+  throw InvalidInput(std::vector<MessagePart>{{std::string(name), true}, {" must be given"}});
+}
+
 void require_one_of(std::string_view name, int value, std::initializer_list<int> choices) {
   if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
   std::string words;

@@ -41,7 +41,7 @@ class TextWriter : public FieldVisitor {
   }
 
   void add(const Field& field, std::string text) {
-    texts.push_back({std::string(field.name), std::string(field.item), std::string(field.unit),
+    texts.push_back({std::string(field.name), std::string(field.option), std::string(field.unit),
                      std::move(text)});
   }
 };

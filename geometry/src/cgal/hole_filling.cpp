@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/mesh_topology.h"
 
@@ -197,7 +196,8 @@ bool fill(Surface& surface, Surface::Halfedge_index border) {
 }  // namespace
 
 FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& options) {
-  require("HoleFillingOptions::max_diameter", options.max_diameter, above(0), "mm");
+  check_hole_filling(options);
+  const double max_diameter = *options.max_diameter;
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
   check_fans(mesh, opposite);
   FilledMesh result;
@@ -212,8 +212,8 @@ FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& option
   ComponentSizes components(mesh, opposite);
   const auto is_hole = [&](Surface::Halfedge_index border, int triangle) {
     const double width = diameter(surface, border);
-    return width <= options.max_diameter &&
-           (std::isinf(options.max_diameter) || components.exceeds(triangle, kOutline * width));
+    return width <= max_diameter &&
+           (std::isinf(max_diameter) || components.exceeds(triangle, kOutline * width));
   };
   std::erase_if(loops,
                 [&](const auto border) { return !triangle_at(surface, border, region, opposite); });

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/self_intersection_removal.h"
 
@@ -20,7 +19,7 @@ namespace {
 }  // namespace
 
 FilledMesh fill_holes(const TriangleMesh&, const HoleFillingOptions& options) {
-  require("HoleFillingOptions::max_diameter", options.max_diameter, above(0), "mm");
+  check_hole_filling(options);
   refuse("fill_holes");
 }
 

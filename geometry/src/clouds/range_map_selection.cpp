@@ -110,8 +110,7 @@ void visit(RangeMapSelectionOptions& options, FieldVisitor& visitor) {
   visitor.table({.name = "crop",
                  .description = "Leave out points outside this box in the frame of the camera, X "
                                 "right, Y down, Z forward; of several boxes, outside all",
-                 .unit = "mm",
-                 .item = "crop"},
+                 .unit = "mm"},
                 {rows_of(options.crop), kBox,
                  [&options](const TableField::Rows& rows) { options.crop = boxes_of(rows); }});
   visitor.real({"remove_plane",

@@ -39,13 +39,6 @@ constexpr double kRoundingMove = 1e-12;
 // the surface.
 constexpr double kBorderWeight = 10;
 
-void check_options(const SurfaceMapOptions& options) {
-  require("SurfaceMapOptions::max_landmark_distance", options.max_landmark_distance, above(0));
-  require("SurfaceMapOptions::max_area_distortion", options.max_area_distortion, above(1));
-  require("SurfaceMapOptions::max_angle_distortion", options.max_angle_distortion, above(1));
-  require("SurfaceMapOptions::max_bad_share", options.max_bad_share, at_least(0).at_most(1));
-}
-
 void check_topology(const TriangleMesh& source, const TriangleMesh& target) {
   check_mesh(source, "map_surface: the source");
   check_mesh(target, "map_surface: the target");
@@ -279,9 +272,32 @@ void judge(const TriangleMesh& source, const SurfaceMapOptions& options, Surface
 
 }  // namespace
 
+void visit(SurfaceMapOptions& options, FieldVisitor& visitor) {
+  visitor.begin("SurfaceMapOptions");
+  visitor.real(
+      {"max_bad_share", "Reject a map that distorts or folds more than this share of the area"},
+      options.max_bad_share, at_least(0).at_most(1));
+  constexpr bool kExpert = true;
+  visitor.real({"max_area_distortion",
+                "A triangle is distorted if its area is stretched by more than this factor, "
+                "relative to the whole surface, or by less than one over it",
+                "", kExpert},
+               options.max_area_distortion, above(1));
+  visitor.real({"max_angle_distortion",
+                "A triangle is distorted if one direction is stretched by more than this factor "
+                "relative to the perpendicular one",
+                "", kExpert},
+               options.max_angle_distortion, above(1));
+  visitor.real({"max_landmark_distance",
+                "Refuse a landmark that is farther from its surface, as a share of the diagonal of "
+                "the surface",
+                "", kExpert},
+               options.max_landmark_distance, above(0));
+}
+
 SurfaceMap map_surface(const TriangleMesh& source, const TriangleMesh& target,
                        const Landmarks& landmarks, const SurfaceMapOptions& options) {
-  check_options(options);
+  static_cast<void>(in_range(options));
   check_topology(source, target);
   check_landmarks(landmarks);
   const SurfaceQuery from(source), to(target);

@@ -10,22 +10,13 @@
 #include <vector>
 
 #include "palpate/core/parallel_for.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
 namespace {
 
-/// Largest lambda at which the highest frequency, 2, is damped for every pass band.
-constexpr double kMaxLambda = 0.6;
 // Vertices per parallel task.
 constexpr Eigen::Index kVerticesPerTask = 4096;
-
-void check_options(const SmoothingOptions& options) {
-  require("SmoothingOptions::iterations", options.iterations, at_least(0));
-  require("SmoothingOptions::lambda", options.lambda, above(0).at_most(kMaxLambda));
-  require("SmoothingOptions::pass_band", options.pass_band, above(0).below(1));
-}
 
 /// The vertices that attract each vertex, grouped by vertex.
 struct Neighbors {
@@ -84,14 +75,33 @@ void move_to_mean(const Neighbors& neighbors, const Eigen::Matrix3Xd& x, double 
 
 }  // namespace
 
+void visit(SmoothingOptions& options, FieldVisitor& visitor) {
+  /// A surface is smooth over its whole width long before.
+  constexpr int kMostIterations = 1000;
+  visitor.begin("SmoothingOptions");
+  visitor.whole({.name = "iterations",
+                 .description = "Iterations of smoothing without shrinking (Taubin); 20 remove "
+                                "most noise",
+                 .option = "smooth"},
+                options.iterations, at_least(0).at_most(kMostIterations));
+  constexpr bool kExpert = true;
+  visitor.real(
+      {"pass_band", "Waves of a lower frequency are not smoothed; the highest of a mesh has 2", "",
+       kExpert},
+      options.pass_band, above(0).below(1));
+  visitor.flag({"keep_border", "Keep the border where it is; otherwise it is smoothed along itself",
+                "", kExpert},
+               options.keep_border);
+}
+
 TriangleMesh smooth(const TriangleMesh& mesh, const SmoothingOptions& options) {
-  check_options(options);
+  static_cast<void>(in_range(options));
   const Neighbors neighbors = list_neighbors(mesh, options.keep_border);
-  const double mu = 1 / (options.pass_band - 1 / options.lambda);
+  const double mu = 1 / (options.pass_band - 1 / kSmoothingStep);
   TriangleMesh result = mesh;
   Eigen::Matrix3Xd shrunk(3, mesh.vertices.cols());
   for (int i = 0; i < options.iterations; ++i) {
-    move_to_mean(neighbors, result.vertices, options.lambda, shrunk);
+    move_to_mean(neighbors, result.vertices, kSmoothingStep, shrunk);
     move_to_mean(neighbors, shrunk, mu, result.vertices);
   }
   return result;

@@ -33,6 +33,9 @@ constexpr double kShortest = 4.0 / 5;
 /// No step turns the normal of a triangle by more than the angle of this cosine.
 constexpr double kLeastTurnCosine = 0.5;
 
+/// Edges and angles hardly change after this number of iterations.
+constexpr int kIterations = 10;
+
 /// An iteration has at most this number of sweeps that flip edges; the last ones change little.
 constexpr int kFlipSweeps = 4;
 
@@ -66,6 +69,7 @@ class Remesher {
  public:
   Remesher(const TriangleMesh& input, const RemeshingOptions& options)
       : options_(options),
+        edge_length_(*options.edge_length),
         query_(input),
         normals_(triangle_normals(input)),
         mesh_(input, "remesh") {
@@ -76,8 +80,8 @@ class Remesher {
 
   Remeshing run() {
     constexpr int kSteps = 4;
-    total_ = kSteps * options_.iterations + 1;
-    for (int i = 0; i < options_.iterations; ++i) {
+    total_ = kSteps * kIterations + 1;
+    for (int i = 0; i < kIterations; ++i) {
       split_long_edges();
       advance();
       collapse_short_edges();
@@ -137,7 +141,7 @@ class Remesher {
     const Vector3d to = mesh_.at(v) - mesh_.at(before);
     const double along = to.dot(line);
     return along > 0 && along < line.squaredNorm() &&
-           line.cross(to).norm() <= kFeatureTolerance * options_.edge_length * line.norm();
+           line.cross(to).norm() <= kFeatureTolerance * edge_length_ * line.norm();
   }
 
   [[nodiscard]] Freedom freedom_at(int v) const {
@@ -155,7 +159,7 @@ class Remesher {
         return std::pair(length, half_edge) < std::pair(other.length, other.half_edge);
       }
     };
-    const double longest = kLongest * options_.edge_length;
+    const double longest = kLongest * edge_length_;
     std::vector<LongEdge> edges;
     const auto add = [&](int h) {
       if (const double length = mesh_.length(h); length > longest) edges.push_back({length, h});
@@ -187,11 +191,11 @@ class Remesher {
     throw InvalidInput(fmt::format(
         "remesh: edges of {:g} mm need more than the {} triangles that are allowed; pass a larger "
         "edge length",
-        options_.edge_length, options_.max_triangles));
+        edge_length_, options_.max_triangles));
   }
 
   void collapse_short_edges() {
-    const double shortest = kShortest * options_.edge_length;
+    const double shortest = kShortest * edge_length_;
     for (int h = 0; h < mesh_.half_edge_count(); ++h) {
       report_sometimes(h);
       if (mesh_.is_live(h) && mesh_.length(h) < shortest) collapse(h);
@@ -226,7 +230,7 @@ class Remesher {
 
   /// Returns true if `v` can move in the triangles at it, without those that also have `other`.
   [[nodiscard]] bool fits(int v, int other, const Vector3d& to) const {
-    const double longest = kLongest * options_.edge_length;
+    const double longest = kLongest * edge_length_;
     bool is_good = true;
     mesh_.each_leaving(v, [&](int h) {
       const int p = mesh_.end(h), q = mesh_.apex(h);
@@ -342,6 +346,7 @@ class Remesher {
   }
 
   const RemeshingOptions& options_;
+  double edge_length_;  ///< [mm]
   SurfaceQuery query_;
   Eigen::Matrix3Xd normals_;  ///< of the input's triangles
   EditableMesh mesh_;
@@ -351,24 +356,42 @@ class Remesher {
 
 /// Refuses before any memory is needed: equilateral triangles of this length have this area.
 void check_size(const TriangleMesh& mesh, const RemeshingOptions& options) {
-  const double each = std::sqrt(3.0) / 4 * options.edge_length * options.edge_length;
+  const double length = *options.edge_length;
+  const double each = std::sqrt(3.0) / 4 * length * length;
   const double needed = surface_area(mesh) / each;
   if (needed <= options.max_triangles) return;
   throw InvalidInput(fmt::format(
       "remesh: edges of {:g} mm need about {:.3g} triangles on this surface, more than the {} that "
       "are allowed; pass an edge length of at least {:.3g} mm",
-      options.edge_length, needed, options.max_triangles,
-      options.edge_length * std::sqrt(needed / options.max_triangles)));
+      length, needed, options.max_triangles, length * std::sqrt(needed / options.max_triangles)));
 }
 
 }  // namespace
 
+void visit(RemeshingOptions& options, FieldVisitor& visitor) {
+  visitor.begin("RemeshingOptions");
+  visitor.real({.name = "edge_length",
+                .description = "Make the triangles nearly equilateral, with edges of this length; "
+                               "the border and sharp edges stay where they are",
+                .unit = "mm",
+                .option = "remesh"},
+               options.edge_length, above(0).finite());
+  visitor.real({"feature_angle",
+                "Edges at which the surface bends by more than this are sharp, and stay when it is "
+                "remeshed; at 180 degrees only the border does",
+                "rad"},
+               options.feature_angle, above(0).at_most(std::numbers::pi));
+  visitor.whole({.name = "max_triangles",
+                 .description = "Refuse to remesh with more triangles than this; each takes about "
+                                "200 bytes of memory",
+                 .expert = true,
+                 .option = "remesh_limit"},
+                options.max_triangles, at_least(1));
+}
+
 Remeshing remesh(const TriangleMesh& mesh, const RemeshingOptions& options) {
-  require("RemeshingOptions::edge_length", options.edge_length, above(0).finite(), "mm");
-  require("RemeshingOptions::feature_angle", options.feature_angle,
-          above(0).at_most(std::numbers::pi), "rad");
-  require("RemeshingOptions::iterations", options.iterations, at_least(1));
-  require("RemeshingOptions::max_triangles", options.max_triangles, at_least(1));
+  static_cast<void>(in_range(options));
+  require_given("RemeshingOptions::edge_length", options.edge_length.has_value());
   check_mesh(mesh, "remesh");
   check_size(mesh, options);
   return Remesher(mesh, options).run();

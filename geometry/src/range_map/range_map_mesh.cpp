@@ -14,17 +14,9 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {
-
-void check_options(const RangeMapMeshOptions& options) {
-  require("RangeMapMeshOptions::max_depth_step", options.max_depth_step, above(0).finite(),
-          "of the depth");
-  require("RangeMapMeshOptions::max_incidence", options.max_incidence,
-          above(0).at_most(std::numbers::pi / 2), "rad");
-}
 
 /// Decides which neighbouring pixels lie on one surface.
 ///
@@ -252,8 +244,22 @@ void take_triangles(const Cells& cells, const std::vector<int>& vertex, RangeMap
 
 }  // namespace
 
+void visit(RangeMapMeshOptions& options, FieldVisitor& visitor) {
+  visitor.begin("RangeMapMeshOptions");
+  visitor.real({"max_depth_step",
+                "Neighbouring pixels are on one surface if their depths differ by at most this "
+                "share of the smaller one, or if they agree so well with the slopes on both sides",
+                "of the depth"},
+               options.max_depth_step, above(0).finite());
+  constexpr bool kExpert = true;
+  visitor.real(
+      {"max_incidence", "Largest angle between the normal of a triangle and its viewing ray", "rad",
+       kExpert},
+      options.max_incidence, above(0).at_most(std::numbers::pi / 2));
+}
+
 RangeMapMesh mesh_range_map(const RangeMap& map, const RangeMapMeshOptions& options) {
-  check_options(options);
+  static_cast<void>(in_range(options));
   const Eigen::Matrix3Xd points = back_project(map);
   const Cells cells = join_pixels(map, points, options);
   RangeMapMesh result;

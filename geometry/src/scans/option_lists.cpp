@@ -3,14 +3,27 @@
 #include "palpate/geometry/option_lists.h"
 
 #include "palpate/geometry/decimation.h"
+#include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/merge_scans.h"
+#include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_selection.h"
 #include "palpate/geometry/registration.h"
+#include "palpate/geometry/remeshing.h"
+#include "palpate/geometry/smoothing.h"
+#include "palpate/geometry/surface_map.h"
 #include "palpate/geometry/surface_tracker.h"
 
 namespace palpate::geometry {
 
 void visit_options(FieldVisitor& visitor) {
+  RangeMapMeshOptions meshing;
+  visit(meshing, visitor);
+  HoleFillingOptions filling;
+  visit(filling, visitor);
+  SmoothingOptions smoothing;
+  visit(smoothing, visitor);
+  RemeshingOptions remeshing;
+  visit(remeshing, visitor);
   DecimationOptions decimation;
   visit(decimation, visitor);
   TrackingOptions tracking;
@@ -21,6 +34,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(selection, visitor);
   RegistrationOptions registration;
   visit(registration, visitor);
+  SurfaceMapOptions map;
+  visit(map, visitor);
 }
 
 }  // namespace palpate::geometry

@@ -33,13 +33,13 @@ DeviceLoop::DeviceLoop(const probing::ArmDescription& device, const DeviceLoopOp
         "DeviceLoopOptions::T_world_device is no rigid motion; it must be a rotation and a "
         "translation in mm");
   }
-  options_.safety.force = std::min(options.safety.force, device.highest_force);
+  options_.safety.max_force = std::min(options.safety.max_force, device.highest_force);
   if (device.continuous_force > 0) {
     options_.safety.continuous_force =
         std::min(options.safety.continuous_force, device.continuous_force);
   }
   if (device.highest_torque > 0) {
-    options_.safety.torque = std::min(options.safety.torque, device.highest_torque);
+    options_.safety.max_torque = std::min(options.safety.max_torque, device.highest_torque);
   }
   safety_ = SafetyFilter(options_.safety);
   // The force is not scaled: k of the object is k scale at the device.

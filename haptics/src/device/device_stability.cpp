@@ -94,12 +94,12 @@ bool presses_calmly(const HandOptions& options, const CouplingOptions& coupling,
   const auto wall = [&](const Eigen::Vector3d& tool) -> Eigen::Vector3d {
     return {0, 0, std::max(-stiffness * tool.z(), 0.0)};
   };
-  const double spring =
-      coupling_stiffness(coupling, options.damping, options.period, options.delay * options.period);
+  const double spring = coupling_stiffness(coupling, options.damping, options.period(),
+                                           options.delay * options.period());
   CouplingState state;
   const double decay = 2 * kKilogramHere * options.mass / options.damping;
   const double duration = std::clamp(kDecays * decay, kShortest, kLongest);
-  const auto ticks = static_cast<long>(duration / options.period);
+  const auto ticks = static_cast<long>(duration / options.period());
   Swing early, late;
   probing::ArmState measured;
   for (long tick = 0; tick < ticks; ++tick) {

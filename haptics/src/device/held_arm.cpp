@@ -46,9 +46,7 @@ struct HeldArm::Held {
 };
 
 HeldArm::HeldArm(TimedPath wish, const HandOptions& hand, probing::VirtualArmOptions arm) {
-  require("HandOptions::mass", hand.mass, at_least(0).finite(), "kg");
-  require("HandOptions::damping", hand.damping, at_least(0).finite(), "N s/mm");
-  require("HandOptions::stiffness", hand.stiffness, at_least(0).finite(), "N/mm");
+  static_cast<void>(in_range(hand));
   if (hand.friction != 0) {
     throw InvalidInput("HeldArm: HandOptions::friction must be 0: the arm has friction of its own");
   }

@@ -61,10 +61,10 @@ LoopJson json_of(const DeviceLoopOptions& options) {
           {"scale", json_of(options.scale)},
           {"clutch_buttons", options.clutch_buttons},
           {"safety",
-           {{"force", safety.force},
+           {{"force", safety.max_force},
             {"continuous_force", json_of(finite_or_none(safety.continuous_force))},
             {"heating_time", safety.heating_time},
-            {"torque", safety.torque},
+            {"torque", safety.max_torque},
             {"slew", safety.slew},
             {"ramp", safety.ramp},
             {"crossfade", safety.crossfade},
@@ -88,13 +88,13 @@ DeviceLoopOptions options_of(const LoopJson& json, int version) {
   options.scale = optional_of(json.at("scale"));
   json.at("clutch_buttons").get_to(options.clutch_buttons);
   const LoopJson& safety = json.at("safety");
-  safety.at("force").get_to(options.safety.force);
+  safety.at("force").get_to(options.safety.max_force);
   if (version > 1) {
     options.safety.continuous_force =
         optional_of(safety.at("continuous_force")).value_or(kWithoutLimit);
     safety.at("heating_time").get_to(options.safety.heating_time);
   }
-  safety.at("torque").get_to(options.safety.torque);
+  safety.at("torque").get_to(options.safety.max_torque);
   safety.at("slew").get_to(options.safety.slew);
   safety.at("ramp").get_to(options.safety.ramp);
   safety.at("crossfade").get_to(options.safety.crossfade);

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "palpate/core/require.h"
-
 namespace palpate::haptics {
 namespace {
 
@@ -49,21 +47,46 @@ std::string to_words(std::uint32_t actions) {
   return words;
 }
 
-void check_safety(const SafetyOptions& options) {
-  require("SafetyOptions::force", options.force, above(0).finite(), "N");
-  require("SafetyOptions::continuous_force", options.continuous_force, above(0), "N");
-  require("SafetyOptions::heating_time", options.heating_time, at_least(0.1).finite(), "s");
-  require("SafetyOptions::torque", options.torque, above(0).finite(), "N mm");
-  require("SafetyOptions::slew", options.slew, above(0).finite(), "N/s");
-  require("SafetyOptions::ramp", options.ramp, above(0).finite(), "s");
-  require("SafetyOptions::crossfade", options.crossfade, above(0).finite(), "s");
-  require("SafetyOptions::oldest_state", options.oldest_state, above(0).finite(), "s");
-  require("SafetyOptions::lease", options.lease, above(0).at_most(0.1), "s");
+void visit(SafetyOptions& options, FieldVisitor& visitor) {
+  constexpr double kShortestHeating = 0.1, kLongestLease = 0.1;  // [s]
+  visitor.begin("SafetyOptions");
+  visitor.real(
+      {"max_force", "Largest force; larger ones are reduced to it, or to the largest of the device",
+       "N"},
+      options.max_force, above(0).finite());
+  visitor.real({"slew", "Largest growth of a force", "N/s"}, options.slew, above(0).finite());
+  visitor.real({"ramp", "Time in which the force grows after a start, a fault or a clutch", "s"},
+               options.ramp, above(0).finite());
+  visitor.real({"heating_time",
+                "Time constant of the motors' heat, which limits how long a force is above the "
+                "continuous one",
+                "s"},
+               options.heating_time, at_least(kShortestHeating).finite());
+  constexpr bool kExpert = true;
+  visitor.real({"continuous_force",
+                "Force that the device can hold without limit of time, if it declares none, or a "
+                "larger one",
+                "N", kExpert},
+               options.continuous_force, above(0));
+  visitor.real({"max_torque",
+                "Largest torque; larger ones are reduced to it, or to the largest of the device",
+                "N mm", kExpert},
+               options.max_torque, above(0).finite());
+  visitor.real({"crossfade", "Time from the last force to that of another model", "s", kExpert},
+               options.crossfade, above(0).finite());
+  visitor.real({"oldest_state",
+                "Longest time since a measurement of the device; with an older one, and one from "
+                "the future, the force is zero",
+                "s", kExpert},
+               options.oldest_state, above(0).finite());
+  visitor.real({"lease",
+                "Time for which a command holds; a loop that comes back later has stalled, and the "
+                "force is zero",
+                "s", kExpert},
+               options.lease, above(0).at_most(kLongestLease));
 }
 
-SafetyFilter::SafetyFilter(const SafetyOptions& options) : options_(options) {
-  check_safety(options);
-}
+SafetyFilter::SafetyFilter(const SafetyOptions& options) : options_(in_range(options)) {}
 
 std::uint32_t SafetyFilter::fault(const SafetyInput& input) const noexcept {
   if (!input.answered) return bit(SafetyAction::no_answer);
@@ -98,9 +121,9 @@ void SafetyFilter::heat_up(double period) noexcept {
 
 // [N] As much above the continuous force as the heat is below that of it.
 double SafetyFilter::longest_force() const noexcept {
-  if (options_.continuous_force >= options_.force) return options_.force;
+  if (options_.continuous_force >= options_.max_force) return options_.max_force;
   const double cool = std::clamp((1 - heat_) / (1 - kHot), 0.0, 1.0);
-  return options_.continuous_force + cool * (options_.force - options_.continuous_force);
+  return options_.continuous_force + cool * (options_.max_force - options_.continuous_force);
 }
 
 SafeCommand SafetyFilter::filter(const SafetyInput& input) noexcept {
@@ -128,10 +151,10 @@ SafeCommand SafetyFilter::filter(const SafetyInput& input) noexcept {
     command.torque *= share;
     command.actions |= bit(SafetyAction::ramped);
   }
-  Eigen::Vector3d allowed = shortened(command.force, options_.force);
+  Eigen::Vector3d allowed = shortened(command.force, options_.max_force);
   if (allowed != command.force) command.actions |= bit(SafetyAction::clamped);
   const double longest = longest_force();
-  if (longest < options_.force && allowed.norm() > longest) {
+  if (longest < options_.max_force && allowed.norm() > longest) {
     allowed = shortened(allowed, longest);
     command.actions |= bit(SafetyAction::heated);
   }
@@ -139,10 +162,10 @@ SafeCommand SafetyFilter::filter(const SafetyInput& input) noexcept {
   // The segment from `begin` to `allowed` lies within the clamp: both ends do.
   command.force = begin + shortened(allowed - begin, options_.slew * std::max(period, 0.0));
   constexpr double kRounding = 1e-12;  // of the greatest force
-  if ((command.force - allowed).norm() > kRounding * options_.force) {
+  if ((command.force - allowed).norm() > kRounding * options_.max_force) {
     command.actions |= bit(SafetyAction::slewed);
   }
-  command.torque = shortened(command.torque, options_.torque);
+  command.torque = shortened(command.torque, options_.max_torque);
   force_ = command.force;
   return command;
 }

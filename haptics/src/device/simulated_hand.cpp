@@ -34,14 +34,14 @@ struct SimulatedHand::Simulation {
     rates << 0, 1, 0,                                                  //
         -options.stiffness / mass, -options.damping / mass, 1 / mass,  //
         0, 0, 0;
-    step = (options.period * rates).exp();
+    step = (options.period() * rates).exp();
   }
 
   void move() noexcept {
-    time += options.period;
+    time += options.period();
     const Pending& due = queue[static_cast<std::size_t>(options.delay)];
-    applied =
-        active && time <= due.end + options.period / 2 ? due.force : Eigen::Vector3d::Zero().eval();
+    applied = active && time <= due.end + options.period() / 2 ? due.force
+                                                               : Eigen::Vector3d::Zero().eval();
     swing(applied + options.push, wish.position(time));
     std::move_backward(queue.begin(), queue.end() - 1, queue.end());
   }
@@ -75,14 +75,25 @@ struct SimulatedHand::Simulation {
   Eigen::Vector3d applied = Eigen::Vector3d::Zero();
 };
 
+void visit(HandOptions& options, FieldVisitor& visitor) {
+  visitor.begin("HandOptions");
+  visitor.real({"mass", "Mass of the hand and the device", "kg"}, options.mass,
+               at_least(0).finite());
+  visitor.real({"damping", "Damping of both", "N s/mm"}, options.damping, at_least(0).finite());
+  visitor.real({"friction", "Dry friction of both", "N"}, options.friction, at_least(0).finite());
+  visitor.real({"stiffness",
+                "Stiffness of the spring that pulls the device to where the hand wants", "N/mm"},
+               options.stiffness, at_least(0).finite());
+  visitor.real({"encoder_step", "Difference of positions that are told apart; 0: exact", "mm"},
+               options.encoder_step, at_least(0).finite());
+  visitor.whole({"delay", "Delay from a command until its force begins", "ticks"}, options.delay,
+                at_least(0).at_most(kLongestDelay));
+  visitor.real({"rate", "Ticks of the device per second", "Hz"}, options.rate, above(0).finite());
+}
+
 SimulatedHand::SimulatedHand(TimedPath wish, const HandOptions& options) {
-  require("HandOptions::mass", options.mass, above(0).finite(), "kg");
-  require("HandOptions::damping", options.damping, at_least(0).finite(), "N s/mm");
-  require("HandOptions::friction", options.friction, at_least(0).finite(), "N");
-  require("HandOptions::stiffness", options.stiffness, at_least(0).finite(), "N/mm");
-  require("HandOptions::encoder_step", options.encoder_step, at_least(0).finite(), "mm");
-  require("HandOptions::delay", options.delay, at_least(0).at_most(kLongestDelay), "ticks");
-  require("HandOptions::period", options.period, above(0).finite(), "s");
+  static_cast<void>(in_range(options));
+  require("HandOptions::mass", options.mass, above(0), "kg");  // the held arm may have none
   require("HandOptions::highest_force", options.highest_force, above(0).finite(), "N");
   if (!options.push.allFinite()) {
     throw InvalidInput("HandOptions::push is not finite; it must be a force in N");
@@ -90,16 +101,16 @@ SimulatedHand::SimulatedHand(TimedPath wish, const HandOptions& options) {
   simulation_ = std::make_unique<Simulation>(
       Simulation{.wish = std::move(wish),
                  .options = options,
-                 .clock = TickClock(options.period, options.real_time),
+                 .clock = TickClock(options.period(), options.real_time),
                  .description = {.name = "simulated hand",
-                                 .period = options.period,
+                                 .period = options.period(),
                                  .highest_force = options.highest_force,
                                  .continuous_force = options.highest_force,
                                  .real_time = options.real_time,
                                  .damping = options.damping,
                                  .friction = options.friction,
                                  .resolution = options.encoder_step,
-                                 .delay = options.delay * options.period}});
+                                 .delay = options.delay * options.period()}});
   simulation_->place = simulation_->wish.position(0);
   simulation_->make_step();
 }
@@ -131,7 +142,7 @@ bool SimulatedHand::read(probing::ArmState& state) noexcept {
 bool SimulatedHand::write(const probing::ArmCommand& command) noexcept {
   Simulation& s = *simulation_;
   if (!s.active || !command.force.allFinite()) return false;
-  s.queue[0] = {command.force, s.time + s.options.delay * s.options.period + command.lease};
+  s.queue[0] = {command.force, s.time + s.options.delay * s.options.period() + command.lease};
   return true;
 }
 

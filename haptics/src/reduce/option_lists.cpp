@@ -9,6 +9,7 @@
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
+#include "palpate/haptics/safety_filter.h"
 
 namespace palpate::haptics {
 
@@ -29,6 +30,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(reduction, visitor);
   PlaybackOptions playback;
   visit(playback, visitor);
+  SafetyOptions safety;
+  visit(safety, visitor);
 }
 
 }  // namespace palpate::haptics

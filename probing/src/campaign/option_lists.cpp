@@ -4,6 +4,7 @@
 
 #include "palpate/probing/campaign_options.h"
 #include "palpate/probing/contact_plan.h"
+#include "palpate/probing/known_forces.h"
 #include "palpate/probing/touch_placement.h"
 
 namespace palpate::probing {
@@ -13,6 +14,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(plan, visitor);
   CampaignOptions campaign;
   visit(campaign, visitor);
+  KnownForceOptions known;
+  visit(known, visitor);
   TouchPlacementOptions placement;
   visit(placement, visitor);
 }

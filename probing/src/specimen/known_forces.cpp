@@ -62,13 +62,13 @@ std::vector<KnownForce> draw_forces(const Specimen& specimen, const KnownForceOp
                                  {": no place is as far from the border of the surface as "},
                                  {"KnownForceOptions::margin", true},
                                  {", " + to_text(options.margin) + " mm; give a smaller one, or "},
-                                 {"KnownForceOptions::count", true},
+                                 {"KnownForceOptions::queries", true},
                                  {" 0"}});
   }
   std::mt19937 random(options.seed);
   std::uniform_int_distribution<std::size_t> any(0, triangles.size() - 1);
   std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<KnownForce> drawn(static_cast<std::size_t>(options.count));
+  std::vector<KnownForce> drawn(static_cast<std::size_t>(options.queries));
   for (KnownForce& one : drawn) {
     double u = uniform(random), v = uniform(random);
     if (u + v > 1) u = 1 - u, v = 1 - v;
@@ -87,13 +87,24 @@ std::vector<KnownForce> draw_forces(const Specimen& specimen, const KnownForceOp
 
 }  // namespace
 
+void visit(KnownForceOptions& options, FieldVisitor& visitor) {
+  constexpr int kMostQueries = 100'000;
+  visitor.begin("KnownForceOptions");
+  visitor.whole({"queries", "Number of known forces between contacts, to compare a model with"},
+                options.queries, at_least(0).at_most(kMostQueries));
+  visitor.real({"margin", "Smallest distance of their places from the border of the surface", "mm"},
+               options.margin, at_least(0).finite());
+  visitor.real({"max_force", "Largest of the forces", "N"}, options.max_force, above(0).finite());
+  visitor.whole({"seed", "Seed of the random places and forces"}, options.seed, at_least(0));
+  visitor.real({"least_force", "Smallest of the forces", "N", true}, options.least_force,
+               above(0).finite());
+}
+
 KnownForces known_forces(const Specimen& specimen, const KnownForceOptions& options) {
-  require("KnownForceOptions::count", options.count, at_least(0));
-  require("KnownForceOptions::margin", options.margin, at_least(0).finite(), "mm");
-  require("KnownForceOptions::least_force", options.least_force, above(0).finite(), "N");
+  static_cast<void>(in_range(options));
   require("KnownForceOptions::max_force", options.max_force, at_least(options.least_force).finite(),
           "N");
-  if (options.count == 0) return {};
+  if (options.queries == 0) return {};
   const std::vector<KnownForce> drawn = draw_forces(specimen, options);
   std::vector<std::optional<Vector3d>> displacements(drawn.size());
   std::vector<std::string> reasons(drawn.size());
@@ -102,7 +113,7 @@ KnownForces known_forces(const Specimen& specimen, const KnownForceOptions& opti
   parallel_for(drawn.size(), [&](std::size_t i) {
     displacements[i] = response_of(specimen, drawn[i].contact, drawn[i].force, reasons[i]);
     const std::scoped_lock lock(reporting);
-    if (options.progress) options.progress(++done, options.count);
+    if (options.progress) options.progress(++done, options.queries);
   });
   KnownForces known;
   for (std::size_t i = 0; i < drawn.size(); ++i) {

@@ -32,12 +32,7 @@ constexpr double kLeastCornerSigma = 0.02;
 /// Residuals below this [px] never make an outlier.
 constexpr double kHarmlessRms = 0.1;
 
-void check(const std::vector<RigView>& views, const RigCalibrationOptions& options) {
-  require_one_of("RigCalibrationOptions::distortion_terms", options.distortion_terms, {0, 2, 4, 5});
-  require("RigCalibrationOptions::max_residual_ratio", options.max_residual_ratio, above(1));
-  require("RigCalibrationOptions::max_focal_deviation", options.max_focal_deviation,
-          above(0).below(1));
-  require("RigCalibrationOptions::min_tilt_deg", options.min_tilt_deg, above(0), "degrees");
+void check(const std::vector<RigView>& views) {
   for (const RigView& view : views) {
     if (view.board.cols() != view.camera.cols() ||
         view.lit_camera.cols() != view.projector.cols()) {
@@ -110,7 +105,7 @@ std::optional<Outlier> find_outlier(const RigFit& fit, double max_ratio) {
   return worst;
 }
 
-/// Largest angle between two boards [degrees].
+/// Largest angle between two boards [rad].
 double tilt_range(const std::vector<Eigen::Isometry3d>& T_camera_board) {
   double largest = 0;
   for (const auto& a : T_camera_board) {
@@ -120,8 +115,10 @@ double tilt_range(const std::vector<Eigen::Isometry3d>& T_camera_board) {
       largest = std::max(largest, std::atan2(n.cross(m).norm(), n.dot(m)));
     }
   }
-  return largest * 180 / std::numbers::pi;
+  return largest;
 }
+
+double in_degrees(double angle) { return angle * 180 / std::numbers::pi; }
 
 CameraDeviation deviation_of(const Eigen::VectorXd& sigmas) {
   CameraDeviation deviation{sigmas[0], sigmas[1], sigmas[2], sigmas[3], {}};
@@ -141,7 +138,7 @@ void require_determined(const RigFit& fit, const RigCalibrationOptions& limits) 
         "rig calibration: the views do not determine the rig: {}. The boards are inclined to one "
         "another by at most {:.1f} degrees; add views with the board tilted by 20 to 45 degrees "
         "about both its axes, and fill the image.",
-        why, tilt));
+        why, in_degrees(tilt)));
   };
   BundleOptions options = fit.options;
   options.camera_sigma = std::max(options.camera_sigma, kLeastCornerSigma);
@@ -154,9 +151,9 @@ void require_determined(const RigFit& fit, const RigCalibrationOptions& limits) 
   };
   check_focal("camera", std::max(sigmas[0], sigmas[1]), fit.bundle.camera.fx);
   check_focal("projector", std::max(sigmas[9], sigmas[10]), fit.bundle.projector.fx);
-  if (!(tilt >= limits.min_tilt_deg))
+  if (!(tilt >= limits.min_tilt))
     refuse(fmt::format("they must be tilted differently, by {:.0f} degrees or more",
-                       limits.min_tilt_deg));
+                       in_degrees(limits.min_tilt)));
 }
 
 void require_views(std::size_t count, const std::vector<RejectedView>& rejected) {
@@ -217,9 +214,39 @@ RigCalibration result_of(const RigFit& fit, const std::vector<RigView>& views) {
 
 }  // namespace
 
+void visit(RigCalibrationOptions& options, FieldVisitor& visitor) {
+  constexpr int kMostTerms = 5;
+  visitor.begin("RigCalibrationOptions");
+  visitor.whole({"distortion_terms",
+                 "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (also p1 p2) "
+                 "or 5 (also k3; needs boards that reach the corners of the image)"},
+                options.distortion_terms, at_least(0).at_most(kMostTerms));
+  constexpr bool kExpert = true;
+  visitor.real({"max_residual_ratio",
+                "Leave out a view whose RMS residual is more than this many times the median of "
+                "the others",
+                "", kExpert},
+               options.max_residual_ratio, above(1));
+  visitor.real({"max_focal_deviation",
+                "Refuse views that determine a focal length worse: its standard deviation as a "
+                "share of itself",
+                "", kExpert},
+               options.max_focal_deviation, above(0).below(1));
+  visitor.real(
+      {"min_tilt", "Refuse views unless two boards are tilted relative to each other by this angle",
+       "rad", kExpert},
+      options.min_tilt, above(0));
+}
+
+void check_rig_calibration(const RigCalibrationOptions& options) {
+  static_cast<void>(in_range(options));
+  require_one_of("RigCalibrationOptions::distortion_terms", options.distortion_terms, {0, 2, 4, 5});
+}
+
 RigCalibration calibrate_rig(const std::vector<RigView>& views, const ImageSize& camera,
                              const ImageSize& projector, const RigCalibrationOptions& options) {
-  check(views, options);
+  check_rig_calibration(options);
+  check(views);
   std::vector<RejectedView> rejected;
   std::vector<RigView> used;
   for (const RigView& view : views) {

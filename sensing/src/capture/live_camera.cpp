@@ -7,7 +7,6 @@
 #include "capture/v4l2_camera.h"
 #include "palpate/core/error.h"
 #include "palpate/core/module.h"
-#include "palpate/core/require.h"
 
 namespace palpate::sensing {
 
@@ -16,10 +15,18 @@ const AravisCameras& aravis_cameras() {
   return *static_cast<const AravisCameras*>(cameras);
 }
 
+void visit(CameraSettings& settings, FieldVisitor& visitor) {
+  visitor.begin("CameraSettings");
+  visitor.real({"rate", "Frames per second", "frames/s"}, settings.rate, above(0).finite());
+  visitor.real(
+      {.name = "exposure_us", .description = "Exposure time", .unit = "us", .option = "exposure"},
+      settings.exposure_us, above(0).finite());
+  visitor.real({"gain", "Gain, in the camera's unit, which is usually dB"}, settings.gain,
+               finite());
+}
+
 std::unique_ptr<LiveCamera> open_camera(const std::string& name, const CameraSettings& settings) {
-  require("CameraSettings::rate", settings.rate, above(0).finite(), "frames/s");
-  require("CameraSettings::exposure_us", settings.exposure_us, above(0).finite(), "us");
-  require("CameraSettings::gain", settings.gain, finite());
+  static_cast<void>(in_range(settings));
   const std::size_t colon = name.find(':');
   const std::string kind = name.substr(0, colon);
   const std::string rest = colon == std::string::npos ? std::string() : name.substr(colon + 1);

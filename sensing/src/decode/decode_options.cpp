@@ -62,7 +62,7 @@ void visit(DecodeOptions& options, FieldVisitor& visitor) {
        .description = "A pixel u,v whose depth z you know. A pattern without stripes needs one on "
                       "each surface, away from edges; other surfaces get no depths",
        .unit = "px, px, mm",
-       .item = "anchor"},
+       .option = "anchor"},
       {rows_of(options.anchors), kAnchor,
        [&options](const TableField::Rows& rows) { options.anchors = anchors_of(rows); }});
 

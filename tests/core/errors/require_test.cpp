@@ -142,6 +142,11 @@ TEST(Require, MakesANameOnlyForAMessage) {
   }
 }
 
+TEST(Require, AsksForWhatHasNoDefault) {
+  EXPECT_NO_THROW(require_given("edge_length", true));
+  EXPECT_THROW(require_given("edge_length", false), InvalidInput);
+}
+
 TEST(Require, ListsTheChoicesThatThereAre) {
   EXPECT_NO_THROW(require_one_of("bits", 16, {8, 16}));
   const auto message_of = [](int value) {

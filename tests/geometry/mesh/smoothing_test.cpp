@@ -50,12 +50,12 @@ TEST(Smoothing, TakesTheNoiseOffASphereAndKeepsItsVolume) {
 
 TEST(Smoothing, MultipliesAWaveByTheTransferFunction) {
   // The corners of a polygon are one wave of its border, of frequency 1 - cos(2 pi / n).
-  const SmoothingOptions options{.iterations = 7, .lambda = 0.43, .pass_band = 0.17};
-  const double mu = 1 / (options.pass_band - 1 / options.lambda);
+  const SmoothingOptions options{.iterations = 7, .pass_band = 0.17};
+  const double mu = 1 / (options.pass_band - 1 / kSmoothingStep);
   for (const int sides : {4, 5, 9, 40}) {
     const double frequency = 1 - std::cos(2 * std::numbers::pi / sides);
     const double factor =
-        std::pow((1 - options.lambda * frequency) * (1 - mu * frequency), options.iterations);
+        std::pow((1 - kSmoothingStep * frequency) * (1 - mu * frequency), options.iterations);
     const TriangleMesh mesh = polygon(sides);
     EXPECT_LT((smooth(mesh, options).vertices - factor * mesh.vertices).cwiseAbs().maxCoeff(),
               1e-13);
@@ -115,7 +115,6 @@ TEST(Smoothing, RefusesBadOptionsAndAVertexThatIsNotFinite) {
     EXPECT_THROWS_MESSAGE((void)smooth(mesh, options), InvalidInput, words);
   };
   refuse({.iterations = -1}, "iterations is -1");
-  for (const double bad : {0.0, -0.5, 0.61, kNaN}) refuse({.lambda = bad}, "lambda");
   for (const double bad : {0.0, -0.5, 1.0, kNaN}) refuse({.pass_band = bad}, "pass_band");
   mesh.vertices(1, 7) = kNaN;
   refuse({}, "vertex 7");

@@ -94,8 +94,8 @@ bool stands_still(const HandOptions& options, const CouplingOptions& coupling, d
   const auto wall = [&](const Eigen::Vector3d& tool) -> Eigen::Vector3d {
     return -stiffness * tool;
   };
-  const double spring =
-      coupling_stiffness(coupling, options.damping, options.period, options.delay * options.period);
+  const double spring = coupling_stiffness(coupling, options.damping, options.period(),
+                                           options.delay * options.period());
   CouplingState state;
   probing::ArmState measured;
   Eigen::Vector3d place;
@@ -143,7 +143,8 @@ TEST(QuietStiffness, IsThatOfWhatIsFeltThroughTheCoupling) {
   HandOptions hand = hand_of(0.2, 5e-3);
   hand.push.z() = -1;
   constexpr double kWall = 100;  // [N/mm]
-  const double spring = coupling_stiffness({}, hand.damping, hand.period, hand.delay * hand.period);
+  const double spring =
+      coupling_stiffness({}, hand.damping, hand.period(), hand.delay * hand.period());
   const double needed = quiet_friction(spring * kWall / (spring + kWall), hand.encoder_step);
   hand.friction = 1.3 * needed;
   EXPECT_TRUE(stands_still(hand, {}, kWall));

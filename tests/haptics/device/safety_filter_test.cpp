@@ -64,7 +64,7 @@ TEST(SafetyFilter, GrowsFromZeroAtTheStart) {
 }
 
 TEST(SafetyFilter, ShortensALongForce) {
-  Loop loop({.force = 2});
+  Loop loop({.max_force = 2});
   const SafeCommand command = loop.after(600, {30, 40, 0});
   EXPECT_LT((command.force - Eigen::Vector3d(1.2, 1.6, 0)).norm(), 1e-12);
   EXPECT_TRUE(has(command, SafetyAction::clamped));
@@ -165,7 +165,7 @@ TEST(SafetyFilter, DoesNotEndARampEarlierByAnotherModel) {
 // Heated by F^2 from cold, the motors reach 0.9 of the heat of 2 N after
 // -10 s ln(1 - 0.9 (2 N / 3.3 N)^2) = 4.02 s.
 TEST(SafetyFilter, BringsAForceAboveTheContinuousOneDownBeforeTheMotorsAreTooHot) {
-  Loop loop({.force = 3.3, .continuous_force = 2, .heating_time = 10, .ramp = 1e-3});
+  Loop loop({.max_force = 3.3, .ramp = 1e-3, .heating_time = 10, .continuous_force = 2});
   double heat = 0, last = 0, begun = 0, largest_heat = 0;
   for (int i = 0; i < 60'000; ++i) {
     const SafeCommand command = loop.tick({0, 0, 5});
@@ -188,7 +188,7 @@ TEST(SafetyFilter, BringsAForceAboveTheContinuousOneDownBeforeTheMotorsAreTooHot
 }
 
 TEST(SafetyFilter, HoldsTheContinuousForceForAsLongAsOneLikes) {
-  Loop loop({.force = 3.3, .continuous_force = 2, .heating_time = 0.1});
+  Loop loop({.max_force = 3.3, .heating_time = 0.1, .continuous_force = 2});
   const SafeCommand command = loop.after(20'000, {0, 0, 2});
   EXPECT_NEAR(command.force.z(), 2, 1e-9);
 }
@@ -199,7 +199,7 @@ TEST(SafetyFilter, HasNoLimitOfHeatForDevicesThatDeclareNone) {
 }
 
 TEST(SafetyFilter, ShortensTorques) {
-  SafetyFilter filter({.torque = 10, .ramp = 1e-6});
+  SafetyFilter filter({.ramp = 1e-6, .max_torque = 10});
   SafetyInput input{.torque = {0, 30, 0}};
   static_cast<void>(filter.filter(input));
   input.now = input.state_time = 1e-3;
@@ -207,8 +207,9 @@ TEST(SafetyFilter, ShortensTorques) {
 }
 
 TEST(SafetyFilter, RefusesLimitsWithoutSense) {
-  EXPECT_NE(refusal([] { return SafetyFilter({.force = 0}); }).find("SafetyOptions::force is 0"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal([] { return SafetyFilter({.max_force = 0}); }).find("SafetyOptions::max_force is 0"),
+      std::string::npos);
   EXPECT_NE(refusal([] { return SafetyFilter({.slew = kNaN}); }).find("SafetyOptions::slew"),
             std::string::npos);
   EXPECT_NE(

@@ -108,7 +108,7 @@ class StickingBody : public Specimen {
 // Before any sample was predicted before it was taken, and after many were.
 TEST(AdaptiveTrials, StatesTheErrorWhereForcesDependOnThePath) {
   const auto body = std::make_shared<StickingBody>();
-  const KnownForces known = known_forces(*body, {.count = 200});
+  const KnownForces known = known_forces(*body, {.queries = 200});
   for (const int samples : {75, 180}) {
     const Ended ended = run(body, 3, adaptive(samples));
     double squares = 0, queries = 0;

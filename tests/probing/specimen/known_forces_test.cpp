@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 TEST(KnownForces, AreThoseOfTheSpecimenInsideItsConeAndAwayFromItsBorder) {
   const ElasticBody body{.size = 60, .friction = 0.5};
   const auto specimen = make_specimen(body);
-  const KnownForces known = known_forces(*specimen, {.count = 200, .margin = 10, .max_force = 2});
+  const KnownForces known = known_forces(*specimen, {.queries = 200, .margin = 10, .max_force = 2});
   EXPECT_TRUE(known.unanswered.empty());
   ASSERT_EQ(known.forces.size(), 200U);
   double smallest = 9, largest = 0, steepest = 0;
@@ -48,10 +48,11 @@ TEST(KnownForces, NamesThoseWithoutAnEquilibriumAndKeepsTheOthers) {
     return place.x() > 0 ? 1.0 : 10.0;  // [N]
   });
   int done = 0;
-  const KnownForces known = known_forces(specimen, {.count = 60, .progress = [&](int now, int all) {
-                                                      EXPECT_EQ(now, ++done);
-                                                      EXPECT_EQ(all, 60);
-                                                    }});
+  const KnownForces known =
+      known_forces(specimen, {.queries = 60, .progress = [&](int now, int all) {
+                                EXPECT_EQ(now, ++done);
+                                EXPECT_EQ(all, 60);
+                              }});
   EXPECT_EQ(done, 60);
   EXPECT_EQ(known.forces.size() + known.unanswered.size(), 60U);
   EXPECT_GT(known.unanswered.size(), 10U);
@@ -68,7 +69,7 @@ TEST(KnownForces, RefusesAMarginThatLeavesNoPlace) {
   const auto specimen = make_specimen(ElasticBody{.size = 20});
   EXPECT_THAT(refusal([&] { return known_forces(*specimen, {.margin = 12}); }),
               HasSubstr("KnownForceOptions::margin, 12 mm; give a smaller one"));
-  EXPECT_TRUE(known_forces(*specimen, {.count = 0, .margin = 12}).forces.empty());
+  EXPECT_TRUE(known_forces(*specimen, {.queries = 0, .margin = 12}).forces.empty());
   EXPECT_THAT(refusal([&] { return known_forces(*specimen, {.max_force = 0.05}); }),
               HasSubstr("KnownForceOptions::max_force"));
 }

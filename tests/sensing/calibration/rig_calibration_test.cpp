@@ -298,7 +298,7 @@ TEST(CalibrateRig, RefusesWrongInput) {
   EXPECT_THROW((void)calibrate(views, {.distortion_terms = 3}), InvalidInput);
   EXPECT_THROW((void)calibrate(views, {.max_residual_ratio = std::nan("")}), InvalidInput);
   EXPECT_THROW((void)calibrate(views, {.max_focal_deviation = 0}), InvalidInput);
-  EXPECT_THROW((void)calibrate(views, {.min_tilt_deg = std::nan("")}), InvalidInput);
+  EXPECT_THROW((void)calibrate(views, {.min_tilt = std::nan("")}), InvalidInput);
 }
 
 }  // namespace

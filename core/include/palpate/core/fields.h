@@ -22,8 +22,9 @@ struct Field {
   /// "mm", "px"; "rad": an angle, which the command line takes in degrees; empty: a plain number
   std::string_view unit = {};
   bool expert = false;  ///< few users set it: --help-all shows it, and --help does not
-  /// For a list that the command line takes item by item: the name of one, "anchor" for "anchors".
-  std::string_view item = {};
+  /// Its name on the command line if that is another: "anchor" for a table "anchors", of which each
+  /// option gives one row; "remesh" for `edge_length`, since that alone does not say of what.
+  std::string_view option = {};
 };
 
 /// The value of a field that is a number.

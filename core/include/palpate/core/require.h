@@ -63,6 +63,10 @@ void require(std::string_view name, double value, const Interval& range,
 void require(std::string_view name, const std::optional<double>& value, const Interval& range,
              std::string_view unit = {});
 
+/// Checks an option without a default.
+/// \throws InvalidInput unless it is given: "RemeshingOptions::edge_length must be given".
+void require_given(std::string_view name, bool is_given);
+
 /// The same for checks of many values: `name` is a function, called only for the message.
 template <std::invocable Name>
 void require(const Name& name, double value, const Interval& range, std::string_view unit = {}) {

@@ -3,20 +3,27 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct HoleFillingOptions {
-  /// [mm] > 0, must be set: a border loop is filled if the diagonal of its bounding box is at most
-  /// this and it is a hole. It is not a hole, but the outline of its part of the surface, if the
+  /// Must be given. A border loop is no hole, but the outline of its part of the surface, if the
   /// bounding box of that part is at most 1.05 times as large. Infinity also fills outlines.
-  double max_diameter = 0;
+  std::optional<double> max_diameter = {};
   /// Called in the calling thread after each border loop; the last call has done == total. If it
   /// throws, the filling ends.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(HoleFillingOptions& options, FieldVisitor& visitor);
+
+/// \throws InvalidInput if an option is outside its range or missing.
+void check_hole_filling(const HoleFillingOptions& options);
 
 struct FilledMesh {
   /// First the vertices and triangles of the input in their order, then those of the patches.

@@ -4,20 +4,19 @@
 
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct RangeMapMeshOptions {
-  /// Two neighbouring pixels are on one surface if their depths differ by at most this fraction of
-  /// the smaller depth, or agree within this fraction with the slopes on both sides; > 0. A smooth
-  /// steep surface is therefore not cut.
   double max_depth_step = 0.02;
-  /// A triangle is kept if the angle between its normal and its viewing ray is at most this [rad];
-  /// in (0, pi/2].
   double max_incidence = 1.4;
 };
+
+void visit(RangeMapMeshOptions& options, FieldVisitor& visitor);
 
 struct RangeMapMesh {
   TriangleMesh mesh;        ///< camera frame [mm]; normals point towards the camera

@@ -4,24 +4,25 @@
 
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct RemeshingOptions {
-  double edge_length = 0;  ///< [mm] target length of the edges; > 0, no default
-  /// [rad] in (0, pi]; an edge is a feature if the normals of its two triangles differ by more.
-  /// pi: only the border is one.
+  std::optional<double> edge_length = {};  ///< must be given
   double feature_angle = std::numbers::pi / 3;
-  int iterations = 10;  ///< >= 1; edges and angles hardly change after ten
-  /// >= 1; a mesh that needs more is refused. A triangle takes some 200 bytes during the work.
   int max_triangles = 20'000'000;
   /// Called in the calling thread after each part of the work; the last call has done == total.
   /// If it throws, the remeshing ends.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(RemeshingOptions& options, FieldVisitor& visitor);
 
 struct Remeshing {
   TriangleMesh mesh;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
@@ -16,20 +17,15 @@ struct Landmarks {
   Eigen::Matrix3Xd target;
 };
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct SurfaceMapOptions {
-  /// A landmark is rejected if its distance from its surface exceeds this fraction of the surface's
-  /// diagonal; > 0. Accepted landmarks are projected onto the surface.
-  double max_landmark_distance = 0.02;
-  /// A triangle is distorted if the ratio of its area stretch to that of the whole surface is above
-  /// this factor, or below its inverse; > 1.
-  double max_area_distortion = 3;
-  /// A triangle is distorted if its stretch in one direction exceeds this factor times its stretch
-  /// in the perpendicular direction; > 1.
-  double max_angle_distortion = 3;
-  /// The map is not sensible if more than this share of the area is distorted or folded;
-  /// in [0, 1].
   double max_bad_share = 0.2;
+  double max_area_distortion = 3;
+  double max_angle_distortion = 3;
+  double max_landmark_distance = 0.02;  ///< nearer landmarks are projected onto the surface
 };
+
+void visit(SurfaceMapOptions& options, FieldVisitor& visitor);
 
 enum class SurfaceMapVerdict {
   sensible,

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::haptics {
@@ -34,23 +35,23 @@ constexpr std::size_t kSafetyActions = 10;
 /// "ramped, slewed" and so on; empty for none.
 [[nodiscard]] std::string to_words(std::uint32_t actions);
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct SafetyOptions {
-  double force = 3.3;  ///< [N] a longer force is shortened; > 0
-  /// [N] > 0 that the device can hold continuously. A longer force heats it, as a first-order
-  /// system: `heating_time` h' = (|f| / continuous_force)^2 - h, cold (h = 0) at the start. As h
-  /// goes from 0.9 to 1, the force is reduced to the continuous one.
+  double max_force = 3.3;
+  double slew = 1000;
+  double ramp = 0.5;
+  double heating_time = 10;
+  /// A longer force heats the device, as a first-order system: `heating_time` h' =
+  /// (|f| / continuous_force)^2 - h, cold (h = 0) at the start. As h goes from 0.9 to 1, the force
+  /// is reduced to the continuous one.
   double continuous_force = std::numeric_limits<double>::infinity();
-  double heating_time = 10;  ///< [s] time constant of the motors' windings; >= 0.1
-  double torque = 100;       ///< [N mm] > 0
-  double slew = 1000;        ///< [N/s] by which a force may grow or turn; > 0. It may shrink freely
-  double ramp = 0.5;         ///< [s] of growth from zero after a start, a fault or a clutch; > 0
-  double crossfade = 0.05;   ///< [s] from the last force to that of another model; > 0
-  double oldest_state = 0.02;  ///< [s] > 0; nor may its time be further in the future
-  double lease = 0.01;         ///< [s] of a command; a loop that comes back later has stalled; > 0
+  double max_torque = 100;
+  double crossfade = 0.05;
+  double oldest_state = 0.02;
+  double lease = 0.01;
 };
 
-/// \throws InvalidInput on an option outside its range.
-void check_safety(const SafetyOptions& options);
+void visit(SafetyOptions& options, FieldVisitor& visitor);
 
 /// The input of a safety filter in one tick. Times are on the device's clock.
 struct SafetyInput {

@@ -5,25 +5,31 @@
 #include <Eigen/Core>
 #include <memory>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/timed_path.h"
 #include "palpate/probing/arm.h"
 
 namespace palpate::haptics {
 
-/// A hand that holds a device: a mass that a spring pulls to where the hand wants to be.
+/// A hand that holds a device: a mass that a spring pulls to where the hand wants to be. The
+/// meaning, unit and range of the fields that users set stand in its list, `visit`.
 struct HandOptions {
-  double mass = 0.2;                               ///< [kg] of hand and device; > 0
-  double damping = 0.005;                          ///< [N s/mm] of hand and device; >= 0
-  double friction = 0;                             ///< [N] dry, of hand and device; >= 0
-  double stiffness = 0.1;                          ///< [N/mm] of the spring; >= 0
+  double mass = 0.2;
+  double damping = 0.005;
+  double friction = 0;
+  double stiffness = 0.1;
   Eigen::Vector3d push = Eigen::Vector3d::Zero();  ///< [N] of the hand besides
-  double encoder_step = 0.02;  ///< [mm] between two positions that are told apart; 0: exact
-  int delay = 1;               ///< [ticks] from a command until its force begins; 0 to 16
-  double period = 1e-3;        ///< [s] > 0
-  double highest_force = 10;   ///< [N] > 0
-  bool real_time = false;      ///< on the host's clock; otherwise on its own
+  double encoder_step = 0.02;
+  int delay = 1;
+  double rate = 1000;
+  double highest_force = 10;  ///< [N] > 0
+  bool real_time = false;     ///< on the host's clock; otherwise on its own
+
+  [[nodiscard]] double period() const noexcept { return 1 / rate; }  ///< [s]
 };
+
+void visit(HandOptions& options, FieldVisitor& visitor);
 
 /// A simulated hand, which closes the loop. Between two ticks its motion is exact for a constant
 /// force. Dry friction is such a force: against the speed at the end of the tick, which is zero if

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/specimen.h"
 #include "palpate/probing/specimen_response.h"
@@ -19,20 +20,23 @@ struct KnownForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< [N] on the object
 };
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct KnownForceOptions {
-  int count = 400;           ///< >= 0
-  double margin = 8;         ///< [mm] least distance of places from the border; >= 0
-  double least_force = 0.1;  ///< [N] smallest size; > 0
-  double max_force = 3;      ///< [N] largest size; >= least_force
-  unsigned seed = 1;         ///< of the random places and forces
+  int queries = 400;
+  double margin = 8;
+  double least_force = 0.1;
+  double max_force = 3;  ///< >= least_force
+  unsigned seed = 1;
   /// Called after each force with the number of forces done and in all, from one thread at a time.
   /// An exception that it throws ends the work.
   std::function<void(int done, int total)> progress = {};
 };
 
+void visit(KnownForceOptions& options, FieldVisitor& visitor);
+
 struct KnownForces {
   std::vector<KnownForce> forces;
-  std::vector<UnansweredForce> unanswered;  ///< of `count`, those without a displacement
+  std::vector<UnansweredForce> unanswered;  ///< of `queries`, those without a displacement
 };
 
 /// Computes known forces, to compare a model with. Places are random; each triangle is equally

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/sensing/bayer.h"
 #include "palpate/sensing/image_size.h"
 
@@ -24,15 +25,18 @@ struct CameraFrame {
   double time = 0;  ///< s since the first frame, by the camera's clock
 };
 
-/// Settings to request from a camera. Those that are not given stay unchanged.
+/// Settings to request from a camera. Those that are not given stay unchanged. The meaning, unit
+/// and range of the numbers stand in their list, `visit`.
 struct CameraSettings {
   std::optional<ImageSize> size = {};
-  std::optional<double> rate = {};         ///< frames/s, > 0
-  std::optional<double> exposure_us = {};  ///< time of exposure [us], > 0
-  std::optional<double> gain = {};         ///< in the camera's unit, which is mostly dB
+  std::optional<double> rate = {};
+  std::optional<double> exposure_us = {};
+  std::optional<double> gain = {};
   /// As GenICam names it: Mono8, BayerRG8, BayerRG12, RGB8; empty for the camera's own choice.
   std::string pixel_format = {};
 };
+
+void visit(CameraSettings& settings, FieldVisitor& visitor);
 
 /// Name, format and current settings of a camera.
 struct CameraState {

@@ -5,29 +5,31 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <numbers>
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/sensing/image_size.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/rig_view.h"
 
 namespace palpate::sensing {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct RigCalibrationOptions {
-  /// Estimated coefficients of each lens distortion: 0, 2 (k1 k2), 4 (also p1 p2) or 5 (also k3,
-  /// which only boards that reach the corners of the image determine).
-  int distortion_terms = 4;
-  /// A view is an outlier if one of its RMS residuals > max_residual_ratio times the median over
-  /// the other views (or times 0.1 px, if that is larger); > 1.
+  int distortion_terms = 4;  ///< 0, 2, 4 or 5
   double max_residual_ratio = 4;
-  /// The views determine the rig only if the standard deviation of every focal length <=
-  /// max_focal_deviation times that focal length, in (0, 1), ...
   double max_focal_deviation = 0.02;
-  /// ... and two boards are tilted relative to each other by >= min_tilt_deg; > 0. Parallel boards
-  /// determine the focal length only through lens distortion, which noise can imitate.
-  double min_tilt_deg = 10;
+  /// Parallel boards determine the focal length only through lens distortion, which noise can
+  /// imitate.
+  double min_tilt = 10 * std::numbers::pi / 180;
 };
+
+void visit(RigCalibrationOptions& options, FieldVisitor& visitor);
+
+/// \throws InvalidInput if an option is outside its range.
+void check_rig_calibration(const RigCalibrationOptions& options);
 
 /// Standard deviations of the parameters of a camera.
 struct CameraDeviation {
