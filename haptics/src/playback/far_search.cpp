@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <numbers>
 #include <span>
+#include <utility>
 
+#include "playback/packed_kernels.h"
 #include "playback/slip_searcher.h"
 
 namespace palpate::haptics {
@@ -16,9 +21,13 @@ constexpr int kMaxInBracket = 12;  // evaluations
 constexpr int kMaxDownhill = 12;   // steps
 constexpr int kMaxShorter = 5;     // evaluations for each step, each a third as far as the last
 constexpr int kDirections = 8;     // around the nearest point
+constexpr std::size_t kBest = 5;   // of the places there, from which to go downhill
 // Distances there, of that from the nearest point to the tool: all around it, and then, since a
 // tool that has just touched beside the bottom of a sharp groove is held far up the flank, beyond.
 constexpr std::array<std::array<double, 3>, 2> kDistances = {{{0.25, 0.5, 1.0}, {2.0, 5.0, 12.0}}};
+// At last, of the distance over which field and cone change: there the cone may turn by a right
+// angle in a part of it, whatever the tool's depth is.
+constexpr std::array kWidest = {1.0 / 32, 1.0 / 16, 0.125, 0.25, 0.5, 1.0};
 // Along which slopes are measured, relative to the size of the surface.
 constexpr double kProbe = 1e-5;
 // Added to the squared slopes, in parts of their trace, so that steps are finite and not far longer
@@ -35,8 +44,25 @@ void SlipSearcher::far_away(SlipMemory& memory) {
   if (is_at_border()) return;
   if (!is_root(best_)) downhill(nearest_);
   if (!is_root(best_)) downhill(start_);
+  const double to_tool = (tool_ - nearest_.at.position).norm();
   for (const auto& distances : kDistances)
-    if (!is_root(best_)) around_nearest(distances);
+    if (!is_root(best_)) around_nearest(to_tool, distances);
+  if (!is_root(best_)) around_nearest(scale_of_contacts(nearest_.at), kWidest);
+}
+
+// To the farthest of the contacts that the place has weights of: field and cone change over it.
+double SlipSearcher::scale_of_contacts(const SurfacePlace& at) {
+  evaluate(at);
+  double farthest = 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(place_.count); ++k) {
+    const auto& constants = place_.constants[k / 4];
+    const auto coordinate = [&](std::size_t i) {
+      return constants[packed::kPosition + i].of[k % 4];
+    };
+    const Eigen::Vector3d position(coordinate(0), coordinate(1), coordinate(2));
+    farthest = std::max(farthest, (position - at.position).norm());
+  }
+  return farthest;
 }
 
 // The force at the nearest point is along the normal, more or less: there a contact is likely to
@@ -103,7 +129,7 @@ void SlipSearcher::bracket(const SurfacePlace& from, const Eigen::Vector3d& plan
 // a crease, and where the friction cone leans to the side, the plane of f_T may be far from that of
 // the surface.
 void SlipSearcher::downhill(const SlidingContact& from) {
-  double longest = length_;
+  double longest = longest_;
   SlidingContact here = evaluate(from.at);
   if (!(here.parts.excess > 0)) return;
   Eigen::Vector3d rest = beyond_cone();
@@ -146,31 +172,40 @@ void SlipSearcher::downhill(const SlidingContact& from) {
 }
 
 // To where a contact begins to slip on the way to the nearest place around the nearest point that
-// holds it, on all sides of a crease; if none does, downhill from the best.
-void SlipSearcher::around_nearest(std::span<const double> distances) {
+// holds it, on all sides of a crease; if none does, downhill from the best. The best are those of
+// the smallest angle to the cone: beside the nearest point, the force itself may be small.
+// \param unit of the distances [mm].
+void SlipSearcher::around_nearest(double unit, std::span<const double> distances) {
   const Eigen::Vector3d& normal = surface_.normal(nearest_.at.triangle);
   const Eigen::Vector3d first = forward_.cross(normal).normalized(), second = normal.cross(first);
-  const double farthest = (tool_ - nearest_.at.position).norm();
-  SlidingContact best = start_;
+  struct Candidate {
+    SlidingContact contact;
+    double beyond = std::numeric_limits<double>::infinity();  // part of the force
+  };
+  std::array<Candidate, kBest> candidates;  // the best first
   for (const double part : distances) {
     for (int i = 0; i < kDirections; ++i) {
       const double angle = 2 * std::numbers::pi * i / kDirections;
       const Eigen::Vector3d along = std::cos(angle) * first + std::sin(angle) * second;
       const Eigen::Vector3d plane = along.cross(normal);
-      const Walk walk = surface_.walk(nearest_.at, plane, along, part * farthest);
+      const Walk walk = surface_.walk(nearest_.at, plane, along, part * unit);
       evaluate(walk.at);
-      if (last_.parts.normal < 0) continue;
+      if (!(last_.parts.normal >= 0)) continue;
       keep_best();
       if (is_root(last_)) return;
       if (last_.parts.excess < 0 && nearest_.parts.excess > 0) {
         return bracket(nearest_.at, plane, along, walk.length, last_.parts.excess, 0,
                        nearest_.parts.excess);
       }
-      if (best.parts.normal < 0 || std::abs(last_.parts.excess) < std::abs(best.parts.excess))
-        best = last_;
+      Candidate here{last_, std::abs(last_.parts.excess) / last_.force.force.norm()};
+      for (Candidate& other : candidates)
+        if (here.beyond < other.beyond) std::swap(here, other);
     }
   }
-  downhill(best);
+  for (const Candidate& candidate : candidates) {
+    if (is_root(best_) || !std::isfinite(candidate.beyond)) return;
+    downhill(candidate.contact);
+  }
 }
 
 }  // namespace palpate::haptics

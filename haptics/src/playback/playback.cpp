@@ -304,7 +304,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   if (contact.parts.excess > self.options.tolerance) {
     const SlidingContact start = contact;
     contact = self.slip(start, tool, way, state);
-    if (!contact.found && self.is_outside(tool)) return self.let_go(tool, way, state);
+    if (!contact.found_near && self.is_outside(tool)) return self.let_go(tool, way, state);
     if (contact.off_border && !self.stays_inside(start, tool, way, state, contact))
       return self.let_go(tool, way, state);
     if (contact.at.position != start.at.position) {

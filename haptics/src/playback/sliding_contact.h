@@ -19,7 +19,9 @@ struct SlidingContact {
   FieldForce force;
   FrictionParts parts;
   bool off_border = false;  ///< the contact still slips, off the border of the surface
-  bool found = true;        ///< a root was found, whether or not there is energy to go there
+  /// A root was found near the start, whether or not there is energy to go there. One far away says
+  /// nothing about a tool that has left the object.
+  bool found_near = true;
 };
 
 /// If the object would pull the tool because it returns more slowly, lets the delayed displacements

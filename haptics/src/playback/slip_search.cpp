@@ -17,8 +17,11 @@ constexpr int kMaxWarm = 6;        // in the plane before all others, with the l
 constexpr double kFarthest = 1.3;  // end of the section, in lengths of the line of Eq 5.19
 // The slope of the last slip is used if it agrees with the line's own estimate to this factor.
 constexpr double kSlopeAgrees = 2;
-// The first step in the plane is at most the line, and this much of the displacement.
+// The first step in two dimensions is at most the line, and this much of the displacement.
 constexpr double kFurther = 0.25;
+// Below this part of the displacement the line is rounding: the tool is straight behind its
+// contact.
+constexpr double kNoLine = 1e-6;
 // A contact is at the border if it is this near to where a walk ended there [mm]: some times the
 // rounding of coordinates of up to 1e6 mm.
 constexpr double kAtBorder = 1e-7;
@@ -47,12 +50,19 @@ SlipSearcher::SlipSearcher(const PackedField& field, const SurfaceWalk& surface,
       last_(start),
       nearest_(start) {
   const Eigen::Vector3d& normal = surface.normal(start.at.triangle);
+  const double displacement = (tool - start.at.position).norm();
+  tangential_ = start.force.force - start.parts.normal * place.cone_axis;
   line_ = slip_line(axis_, normal, tool - start.at.position);
+  if (!(line_.norm() > kNoLine * displacement)) {
+    // The contact slips because the cone leans: it follows f_T.
+    const Eigen::Vector3d along = tangential_ - tangential_.dot(normal) * normal;
+    line_ = kFurther * displacement / along.norm() * along;
+  }
   length_ = line_.norm();
+  longest_ = length_ + kFurther * displacement;
   shortest_ = kShortestBracket * surface.size();
   forward_ = line_ / length_;
   if (!(-axis_.dot(normal) >= kMinAxisCosine * axis_.norm())) axis_ = -normal;
-  tangential_ = start.force.force - start.parts.normal * place.cone_axis;
 }
 
 SlidingContact SlipSearcher::search(SlipMemory& memory) {
@@ -63,12 +73,13 @@ SlidingContact SlipSearcher::search(SlipMemory& memory) {
     memory.in_plane.setZero();
     if (!along_section(memory.slope)) in_plane(memory, kMaxInPlane);
   }
-  if (!is_root(best_)) far_away(memory);
+  const bool found_near = is_root(best_);
+  if (!found_near) far_away(memory);
   const bool found = is_root(best_);
   // A contact that slips off the border loses its energy.
   best_.off_border = !found && is_at_border();
   if (!best_.off_border) keep_energy();
-  best_.found = found;
+  best_.found_near = found_near;
   if (last_.at.position != best_.at.position) static_cast<void>(evaluate(best_.at));
   return best_;
 }
@@ -175,7 +186,7 @@ void SlipSearcher::in_plane(SlipMemory& memory, int most) {
       std::max(-memory.slope, std::min(start_.parts.tangential / length_, kStiffest * whole));
   Eigen::Matrix2d jacobian = axes * memory.in_plane * axes.transpose();
   Eigen::Vector2d rest = axes * beyond_cone();
-  double longest = length_ + kFurther * (tool_ - start_.at.position).norm();
+  double longest = longest_;
   for (int i = 0; i < most && !is_root(best_); ++i) {
     if (!(jacobian.determinant() > kLeastDeterminant * jacobian.squaredNorm()))
       jacobian = -stiffness * Eigen::Matrix2d::Identity();

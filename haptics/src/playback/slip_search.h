@@ -30,10 +30,9 @@ struct SlipSearchOptions {
 /// last slip ended in this way, with the Jacobian of that one: at most 30 evaluations until then.
 /// If that does not find a root either, as after jumps and across creases, the search starts again
 /// at the point nearest to the tool. Then it goes down the part of f_T beyond the cone along the
-/// surface itself, from the best place so far, the nearest point, the start, and the best of 24
-/// places around the nearest point and 24 further away: at most 12 steps of 7 evaluations, and 12
-/// once a place holds.
-/// Real-time safe.
+/// surface itself, from the best place so far, the nearest point, the start, and the best five of
+/// 24 places around the nearest point, of 24 further away, and of 48 as far away as contacts: at
+/// most 12 steps of 7 evaluations, and 12 once a place holds. Real-time safe.
 /// \param start where |f_T| exceeds mu f_N.
 /// \param place of `start`; afterwards of the result.
 /// \param memory of the last slip; afterwards of this one.

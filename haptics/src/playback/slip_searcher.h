@@ -33,6 +33,7 @@ class SlipSearcher {
   PlaceField& place_;
   Eigen::Vector3d axis_, line_, forward_;
   double length_, shortest_;  // [mm] of the line of Eq 5.19, and of a bracket
+  double longest_;            // [mm] first step in two dimensions
   SlidingContact best_, last_, nearest_;
   std::optional<Eigen::Vector3d> border_;  // a place from which the contact would go on beyond it
   Eigen::Vector3d tangential_ = Eigen::Vector3d::Zero();  // f_T of `last_`
@@ -83,7 +84,8 @@ class SlipSearcher {
   void bracket(const SurfacePlace& from, const Eigen::Vector3d& plane, const Eigen::Vector3d& along,
                double holds, double excess_holding, double slips, double excess_slipping);
   void downhill(const SlidingContact& from);
-  void around_nearest(std::span<const double> distances);
+  void around_nearest(double unit, std::span<const double> distances);
+  double scale_of_contacts(const SurfacePlace& at);
 };
 
 }  // namespace palpate::haptics

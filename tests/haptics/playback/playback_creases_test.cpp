@@ -119,36 +119,38 @@ TEST_F(PlaybackInGrooves, EndSlipsOnTheConeAfterJumps) {
       beyond += !(parts.normal >= 0 && std::abs(parts.excess) <= 1e-3);
     }
     EXPECT_GT(slips, 70) << friction;
-    EXPECT_LE(beyond, 1) << friction;
+    EXPECT_EQ(beyond, 0) << friction;
   }
 }
 
-// There the cone is that of neither flank, so that the nearest place may pull. Of 28,800 slips of
-// thirty such sets, four end more than 1 mN off the cone (docs/trade-playback.md).
+// There the cone is that of neither flank, so that the nearest place may pull. A press straight
+// along the normal slips, too, if the cone leans: as seen along a normal, the tool is then nowhere
+// aside.
 TEST_F(PlaybackInGrooves, EndSlipsOnTheConeNearTheBottom) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  for (const double friction : {0.2, 0.5, 1.0}) {
+  for (const double friction : {0.0, 0.2, 0.5, 1.0}) {
     const Playback playback(with_friction(friction),
                             {.energy_credit = kInfinite, .largest_jump = kInfinite});
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(0, 1);
-    int slips = 0, beyond = 0;
+    int slips = 0, presses = 0;
     for (int i = 0; i < 600; ++i) {
       const double highest = -CreaseProfile::kDepth + 2;
       const Pressing at =
           random_pressing(model, query, profile, 4 * uniform(random), random, highest);
       LoopState state;
       static_cast<void>(playback.step(at.outside, state));
-      static_cast<void>(playback.step(at.pressed, state));
-      const Command command = playback.step(at.pressed + 0.3 * at.along, state);
-      if (command.state != ContactState::slip) continue;
-      ++slips;
-      const FrictionParts parts = friction_parts(state.place, -command.force);
-      EXPECT_GE(parts.normal, 0) << friction << ' ' << i;
-      beyond += std::abs(parts.excess) > 1e-3;
+      for (const double jump : {0.0, 0.3}) {  // [mm]
+        const Command command = playback.step(at.pressed + jump * at.along, state);
+        if (command.state != ContactState::slip) continue;
+        ++(jump > 0 ? slips : presses);
+        const FrictionParts parts = friction_parts(state.place, -command.force);
+        EXPECT_GE(parts.normal, 0) << friction << ' ' << i << ' ' << jump;
+        EXPECT_LE(std::abs(parts.excess), 1e-3) << friction << ' ' << i << ' ' << jump;
+      }
     }
     EXPECT_GT(slips, 100) << friction;
-    EXPECT_LE(beyond, 1) << friction;
+    EXPECT_GT(presses, 100) << friction;
   }
 }
 
@@ -211,7 +213,7 @@ TEST_F(PlaybackInGrooves, GiveTheUserAtMostTheCreditAtAnyFriction) {
         hand.go(hand.tool + 4 * way, kTick);
       }
       hand.go(hand.tool + 30 * Eigen::Vector3d::UnitZ(), kTick);
-      if (!hand.last.force.isZero(0)) continue;
+      EXPECT_TRUE(hand.last.force.isZero(0)) << friction << ' ' << i;
       EXPECT_LT(hand.work, 0.05) << friction << ' ' << i;  // [N mm]
     }
   }
