@@ -235,7 +235,7 @@ void visit(RigCalibrationOptions& options, FieldVisitor& visitor) {
   visitor.real(
       {"min_tilt", "Refuse views unless two boards are tilted relative to each other by this angle",
        "rad", kExpert},
-      options.min_tilt, above(0));
+      options.min_tilt, above(0).at_most(std::numbers::pi / 2));
 }
 
 void check_rig_calibration(const RigCalibrationOptions& options) {
