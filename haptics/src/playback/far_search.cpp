@@ -25,8 +25,8 @@ constexpr std::size_t kBest = 5;   // of the places there, from which to go down
 // Distances there, of that from the nearest point to the tool: all around it, and then, since a
 // tool that has just touched beside the bottom of a sharp groove is held far up the flank, beyond.
 constexpr std::array<std::array<double, 3>, 2> kDistances = {{{0.25, 0.5, 1.0}, {2.0, 5.0, 12.0}}};
-// At last, of the distance over which field and cone change: there the cone may turn by a right
-// angle in a part of it, whatever the tool's depth is.
+// Finally, of the distance to the contacts, over which field and cone change. The cone may turn by
+// a right angle within a part of it. The depth of the tool says nothing about that.
 constexpr std::array kWidest = {1.0 / 32, 1.0 / 16, 0.125, 0.25, 0.5, 1.0};
 // Along which slopes are measured, relative to the size of the surface.
 constexpr double kProbe = 1e-5;
