@@ -9,6 +9,7 @@
 
 #include "bindings.h"
 #include "fields.h"
+#include "palpate/core/field_text.h"
 #include "palpate/haptics/device_run.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/simulated_hand.h"
@@ -70,6 +71,17 @@ std::unique_ptr<probing::Arm> device_of(const std::string& name,
       std::move(path), haptics::TrajectoryDeviceOptions{.period = hand.period()});
 }
 
+/// The other devices read no field of the hand but its rate.
+void refuse_idle_fields(const std::string& device, const py::kwargs& keywords) {
+  HandOptions hand;
+  for (const FieldText& field : texts_of(fields_of(hand))) {
+    if (field.name != "rate" && keywords.contains(field.name.c_str())) {
+      throw InvalidInput(field.name + ": does nothing with device='" + device +
+                         "'; it needs device='hand'");
+    }
+  }
+}
+
 haptics::CouplingOptions coupling_of(const std::optional<double>& stiffness) {
   if (!stiffness) return {};
   if (std::isinf(*stiffness)) return {.on = false};
@@ -95,8 +107,8 @@ smoothly, at rest in each point, 'recorded' straight.
 coupling: [N/mm] of the virtual coupling; None: by the damping and delay of the device; infinite:
 without it.
 record: file to write, for read_device_trace().
-Of the options, rate alone counts without a hand. Raises InvalidInput or OutputError. Ctrl-C is not
-heard.)",
+Of the hand's options, the other devices take only rate. Raises InvalidInput or OutputError. Ctrl-C
+is not heard.)",
       [](const std::shared_ptr<Playback>& playback, const py::object& tools,
          const py::object& times, const std::string& device, const std::optional<double>& coupling,
          const std::optional<fs::path>& record, const py::kwargs& keywords) {
@@ -104,6 +116,7 @@ heard.)",
         HandOptions hand;
         set_fields(fields_of_both(loop.safety, hand), keywords);
         static_cast<void>(in_range(hand));
+        if (device != "hand") refuse_idle_fields(device, keywords);
         std::vector<haptics::TrajectoryPoint> way = trajectory(tools, times);
         if (way.empty()) throw InvalidInput("tools: must have at least one position");
         const double duration = std::max(way.back().time - way.front().time, hand.period());

@@ -63,6 +63,7 @@ class Playing(unittest.TestCase):
         self.assertLessEqual(limited.largest_force, 0.1 + 1e-9)
         self.assertGreater(limited.safety["clamped"], 0)
         for options, words in (({"max_force": 0}, "max_force is 0 N; it must be > 0"), ({"mass": -1}, "mass is -1 kg"),
+                               ({"device": "recorded", "mass": 1}, "mass: does nothing with device='recorded'; it needs device='hand'"),
                                ({"device": "foot"}, "device: is 'foot'; it must be one of 'hand'")):
             with self.assertRaisesRegex(palpate.InvalidInput, words):
                 palpate.play_device(self.playback, tools, times, **options)
