@@ -144,6 +144,7 @@ void CoarsenedSurface::insert(std::span<const SurfacePoint> contacts) {
     ids.push_back(surface_.track(slot_[static_cast<size_t>(contact.triangle)],
                                  snap_to_edges(contact.barycentric)));
   }
+  surface_.remove_degenerate_triangles();
   list_new_ids();
   for (size_t i = 0; i < ids.size(); ++i) {
     int id = ids[i];
@@ -166,6 +167,7 @@ void CoarsenedSurface::pin_helpers() {
   std::vector<double> area(static_cast<size_t>(count), 0);
   std::vector<double> contacts(static_cast<size_t>(count), 0);
   for (int t = 0; t < surface_.triangle_slots(); ++t) {
+    if (!surface_.is_alive(t)) continue;
     area[static_cast<size_t>(part[static_cast<size_t>(t)])] += area_of_lengths(
         surface_.length(3 * t), surface_.length(3 * t + 1), surface_.length(3 * t + 2));
   }
@@ -174,10 +176,11 @@ void CoarsenedSurface::pin_helpers() {
     pinned_[static_cast<size_t>(id)] = 1;
     contacts[static_cast<size_t>(part[static_cast<size_t>(surface_.out(id) / 3)])] += 1;
   }
-  std::vector<double> spacing;
-  for (const int p : part) {
-    const auto i = static_cast<size_t>(p);
-    spacing.push_back(std::sqrt(area[i] / contacts[i]) * surface_.unit());
+  std::vector<double> spacing(part.size(), 0);
+  for (size_t t = 0; t < part.size(); ++t) {
+    if (part[t] < 0) continue;
+    const auto i = static_cast<size_t>(part[t]);
+    spacing[t] = std::sqrt(area[i] / contacts[i]) * surface_.unit();
   }
   Eigen::Matrix3Xd positions(3, surface_.id_count());
   for (int id = 0; id < surface_.id_count(); ++id) {

@@ -15,10 +15,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// After lengthening, the sum of two sides of a triangle exceeds the third by at least this
-/// fraction of the mean edge. Large relative to rounding, small relative to any measurement error.
-constexpr double kMollification = 1e-6;
-
 /// An edge is flipped iff the angles opposite it exceed pi by more than rounding, so that flipping
 /// terminates; relative to squared sides times areas.
 constexpr double kDelaunayRounding = 1e-12;
@@ -61,16 +57,8 @@ void IntrinsicTriangulation::measure(const TriangleMesh& mesh) {
     }
   }
   unit_ = sum > 0 ? sum / (3 * static_cast<double>(triangles_.size())) : 1;
-  double lengthening = 0;
   for (Triangle& triangle : triangles_) {
     for (double& l : triangle.length) l /= unit_;
-    const auto [a, b, c] = triangle.length;
-    const double slack = std::min({a + b - c, b + c - a, c + a - b});
-    lengthening = std::max(lengthening, kMollification - slack);
-  }
-  if (lengthening == 0) return;
-  for (Triangle& triangle : triangles_) {
-    for (double& l : triangle.length) l += lengthening;
   }
 }
 
@@ -88,13 +76,7 @@ void IntrinsicTriangulation::separate_fans(int vertex_count) {
   for (int begin = 0; begin < static_cast<int>(visited.size()); ++begin) {
     if (visited[static_cast<size_t>(begin)] != 0) continue;
     const int v = from(begin);
-    // Turn clockwise to the first half-edge, or once around.
-    int first = begin;
-    while (opposite(first) != kNone && next(opposite(first)) != begin) {
-      first = next(opposite(first));
-    }
-    const bool open = opposite(first) == kNone;
-    if (!open) first = begin;
+    const int first = first_of_fan(begin);
     int id = v;
     if (has_fan[static_cast<size_t>(v)] != 0) {
       id = add_id();
@@ -102,7 +84,7 @@ void IntrinsicTriangulation::separate_fans(int vertex_count) {
     }
     has_fan[static_cast<size_t>(v)] = 1;
     out_[static_cast<size_t>(id)] = first;
-    boundary_[static_cast<size_t>(id)] = open ? 1 : 0;
+    boundary_[static_cast<size_t>(id)] = opposite(first) == kNone ? 1 : 0;
     int h = first;
     do {
       visited[static_cast<size_t>(h)] = 1;
@@ -110,6 +92,15 @@ void IntrinsicTriangulation::separate_fans(int vertex_count) {
       h = opposite(previous(h));
     } while (h != kNone && h != first);
   }
+}
+
+int IntrinsicTriangulation::first_of_fan(int begin) const {
+  int h = begin;
+  while (opposite(h) != kNone) {
+    h = next(opposite(h));
+    if (h == begin) break;
+  }
+  return h;
 }
 
 void IntrinsicTriangulation::fan(int v, std::vector<int>& half_edges) const {

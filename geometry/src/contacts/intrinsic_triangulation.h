@@ -23,10 +23,15 @@ namespace palpate::geometry {
 class IntrinsicTriangulation {
  public:
   /// Ids 0 .. V - 1 are the vertices of the mesh. A vertex where several fans of triangles touch
-  /// becomes one vertex per fan; the additional ones get ids from V on (see `fan_of`). Edges are
-  /// lengthened slightly where a triangle has no area (mollification; Sharp and Crane 2020).
+  /// becomes one vertex per fan; the additional ones get ids from V on (see `fan_of`).
   /// \throws InvalidInput if more than two triangles share an edge, or two of opposite orientation.
   explicit IntrinsicTriangulation(const TriangleMesh& mesh);
+
+  /// Prepares the surface for all that follows, when points may be tracked already. Collapses edges
+  /// without length, as far as the surface stays a manifold; the vertex that goes becomes a tracked
+  /// point. Then lengthens all edges slightly if a triangle has no area (mollification; Sharp and
+  /// Crane 2020).
+  void remove_degenerate_triangles();
 
   /// Flipping to Delaunay needs a few flips per edge; after this many it stops, in case rounding
   /// makes it cycle.
@@ -155,6 +160,12 @@ class IntrinsicTriangulation {
   [[nodiscard]] const Triangle& triangle(int h) const {
     return triangles_[static_cast<size_t>(h / 3)];
   }
+  [[nodiscard]] bool has_no_length(int h) const;
+  [[nodiscard]] bool may_collapse(int h) const;
+  bool collapse(int h);
+  /// The first half-edge counter-clockwise around the vertex that `begin` leaves; `begin` itself if
+  /// the fan is closed.
+  [[nodiscard]] int first_of_fan(int begin) const;
   int add_id();
   void separate_fans(int vertex_count);
   void measure(const TriangleMesh& mesh);

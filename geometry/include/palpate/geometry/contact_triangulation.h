@@ -57,8 +57,8 @@ struct ContactTriangulation {
   /// V: contact to which each vertex of the surface belongs; the one with the largest weight for
   /// `delaunay`, the nearest one for `voronoi_dual`; -1 on a part without contacts.
   Eigen::VectorXi surface_labels;
-  /// Contacts in no triangle of `mesh`, ascending. Empty unless edges of the surface have no
-  /// length.
+  /// Contacts in no triangle of `mesh`, ascending. A contact near the border of the surface may be
+  /// among helpers only; they still share its weights.
   std::vector<int> isolated;
   IntrinsicDelaunay intrinsic;  ///< empty for `voronoi_dual`
 };
