@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "code_blocks.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_store.h"
@@ -369,20 +370,8 @@ TEST_F(Measurements, ArePlayedWithoutNan) {
   EXPECT_TRUE(json::parse(figures.out).at("us_per_step").at("slip_median").is_null());
 }
 
-/// The text of the code blocks of a page that are marked as `language`.
-std::vector<std::string> code_blocks(const std::string& page, const std::string& language) {
-  const std::string begin = "\n```" + language + "\n", end = "```";
-  std::vector<std::string> blocks;
-  for (std::size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at)) {
-    at += begin.size();
-    blocks.push_back(page.substr(at, page.find(end, at) - at));
-  }
-  return blocks;
-}
-
 TEST_F(Measurements, OfThePageAreImportedAndFitted) {
-  const std::vector<std::string> blocks =
-      code_blocks(read_text(repository("docs/measurements.md")), "csv");
+  const std::vector<std::string> blocks = code_blocks("docs/measurements.md", "csv");
   ASSERT_EQ(blocks.size(), 2u);
   write_text(scratch / "c.csv", blocks[0]);
   write_text(scratch / "s.csv", blocks[1]);
@@ -420,8 +409,7 @@ TEST_F(Measurements, OfThePageAreImportedAndFitted) {
 
 TEST_F(Measurements, OfPressingAloneAreImportedAsThePageSays) {
   // The call of the page whose columns are those of the contacts and the presses only.
-  const std::vector<std::string> calls =
-      code_blocks(read_text(repository("docs/measurements.md")), "sh");
+  const std::vector<std::string> calls = code_blocks("docs/measurements.md", "sh");
   const auto found = std::ranges::find_if(
       calls, [](const std::string& each) { return each.find("group_id=id") != std::string::npos; });
   ASSERT_NE(found, calls.end());

@@ -1,6 +1,8 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 # Configures single components where packages of others cannot be found, alone and as a part of another project.
+include(${CMAKE_CURRENT_LIST_DIR}/documented_projects.cmake)
+
 function(configure folder)
   execute_process(
     COMMAND ${CMAKE_COMMAND} -G Ninja -S ${folder} -B ${SCRATCH_DIR}/build -DCMAKE_CXX_COMPILER=${CXX} ${ARGN}
@@ -16,7 +18,6 @@ foreach(package IN ITEMS CLI11 GTest Python3 VTK X11 benchmark glfw3 pybind11 sp
 endforeach()
 
 file(REMOVE_RECURSE ${SCRATCH_DIR})
-file(MAKE_DIRECTORY ${SCRATCH_DIR}/project)
 configure(${SOURCE_DIR} -DPALPATE_COMPONENTS=geometry ${above})
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "geometry alone does not configure:\n${output}")
@@ -36,15 +37,8 @@ if(status EQUAL 0 OR NOT output MATCHES "no component 'geometri'")
   message(FATAL_ERROR "an unknown component is not refused:\n${output}")
 endif()
 
-file(WRITE ${SCRATCH_DIR}/project/CMakeLists.txt
-"cmake_minimum_required(VERSION 3.25)
-project(consumer LANGUAGES CXX)
-set(PALPATE_COMPONENTS geometry)
-add_subdirectory(\"${SOURCE_DIR}\" palpate)
-file(WRITE \${CMAKE_BINARY_DIR}/main.cpp \"int main() {}\")
-add_executable(consumer \${CMAKE_BINARY_DIR}/main.cpp)
-target_link_libraries(consumer PRIVATE palpate::geometry)
-")
+write_documented_project(${SCRATCH_DIR}/project docs/linking.md 1)
+file(CREATE_LINK ${SOURCE_DIR} ${SCRATCH_DIR}/project/palpate SYMBOLIC)
 file(REMOVE_RECURSE ${SCRATCH_DIR}/build)
 configure(${SCRATCH_DIR}/project ${above})
 if(NOT status EQUAL 0)

@@ -3,6 +3,8 @@
 # Installs, then configures, builds and runs the consumer beside this file for several choices of components and flags.
 # LAUNCHER: of the compilers; ccache keeps what they made of the same installed headers.
 
+include(${CMAKE_CURRENT_LIST_DIR}/documented_projects.cmake)
+
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)
@@ -116,6 +118,20 @@ configure_consumer(${CXX} ${prefix} "geometry;sensing;probing;acquisition;haptic
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "not every component is found after a full install:\n${output}")
 endif()
+
+# What the pages tell users to write into their projects configures.
+set(number 0)
+foreach(page IN ITEMS README.md docs/linking.md docs/c-interface.md)
+  set(project ${SCRATCH_DIR}/documented_${number})
+  write_documented_project(${project} ${page} 0)
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -G Ninja -S ${project} -B ${project}/build -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_PREFIX_PATH=${prefix}
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "the project of ${page} does not configure:\n${output}")
+  endif()
+  math(EXPR number "${number} + 1")
+endforeach()
 
 # Each library exports what is in namespace palpate, or in palpate.h, and nothing of the libraries it contains.
 file(GLOB libraries ${prefix}/lib*/libpalpate_*.so ${prefix}/lib/*/libpalpate_*.so)

@@ -8,6 +8,8 @@
 #include <sstream>
 
 #include "commit.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/probing/campaign_store.h"
 #include "shared/aliases.h"
 
 namespace palpate::apps {
@@ -26,16 +28,22 @@ Json versions_of_libraries() {
 
 std::string version_text(bool json) {
   if (json) {
-    const Json figures = {{"version", PALPATE_VERSION},
-                          {"commit", PALPATE_COMMIT},
-                          {"licence", PALPATE_LICENCE},
-                          {"compiler", PALPATE_COMPILER},
-                          {"libraries", versions_of_libraries()}};
+    const Json figures = {
+        {"version", PALPATE_VERSION},
+        {"commit", PALPATE_COMMIT},
+        {"licence", PALPATE_LICENCE},
+        {"compiler", PALPATE_COMPILER},
+        {"formats",
+         {{"field.json", haptics::kFieldVersion}, {"acquisition.db", probing::kStoreVersion}}},
+        {"libraries", versions_of_libraries()}};
     return figures.dump(2);
   }
-  return fmt::format("palpate {}\ncommit: {}\nlicence: {}\ncompiler: {}\nlibraries: {}",
-                     PALPATE_VERSION, PALPATE_COMMIT, PALPATE_LICENCE, PALPATE_COMPILER,
-                     PALPATE_LIBRARIES);
+  return fmt::format(
+      "palpate {}\ncommit: {}\nlicence: {}\ncompiler: {}\nformats: field.json {}, acquisition.db "
+      "{}\n"
+      "libraries: {}",
+      PALPATE_VERSION, PALPATE_COMMIT, PALPATE_LICENCE, PALPATE_COMPILER, haptics::kFieldVersion,
+      probing::kStoreVersion, PALPATE_LIBRARIES);
 }
 
 }  // namespace palpate::apps

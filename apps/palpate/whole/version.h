@@ -6,8 +6,9 @@
 
 namespace palpate::apps {
 
-/// Returns the output of `palpate --version`: version, commit, licence, compiler and libraries of
-/// this program; "+" after the commit means that files were changed.
+/// Returns the output of `palpate --version`: version, commit, licence, compiler, versions of
+/// its own file formats, and libraries of this program; "+" after the commit means that files were
+/// changed.
 [[nodiscard]] std::string version_text(bool json);
 
 }  // namespace palpate::apps

@@ -13,7 +13,6 @@ namespace palpate::haptics {
 // Names in the field document, shared by its writer and its reader. Enumerators are written as
 // `to_string` names them.
 inline constexpr const char* kFieldFormat = "palpate-model";
-inline constexpr int kFieldVersion = 1;
 inline constexpr const char* kSurfaceFile = "surface.ply";
 inline constexpr std::array kFrictionSources = {FrictionSource::samples,
                                                 FrictionSource::other_contacts,

@@ -11,6 +11,7 @@
 #include "model/field_document.h"
 #include "model/field_document_format.h"
 #include "palpate/core/error.h"
+#include "palpate/haptics/model_io.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {

@@ -12,6 +12,7 @@
 #include "model/field_document_format.h"
 #include "model/stored_form.h"
 #include "palpate/core/error.h"
+#include "palpate/haptics/model_io.h"
 
 namespace palpate::haptics {
 namespace {

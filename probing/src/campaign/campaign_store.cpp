@@ -15,7 +15,6 @@
 namespace palpate::probing {
 namespace {
 
-constexpr int kStoreVersion = 2;
 constexpr const char* kCampaignSchema =
     "CREATE TABLE run(key TEXT PRIMARY KEY, value TEXT NOT NULL);"
     "CREATE TABLE trial(id INTEGER PRIMARY KEY, contact INTEGER NOT NULL, level INTEGER NOT NULL,"

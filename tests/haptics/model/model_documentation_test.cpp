@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <iomanip>
 
+#include "code_blocks.h"
 #include "following_surface.h"
 #include "model_testing.h"
 #include "palpate/geometry/geodesic_distance.h"
@@ -22,21 +23,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The code blocks of the page in a language.
+const std::string kModelPage = "docs/model-file.md";
+
 std::vector<std::string> blocks_of(const std::string& language) {
-  std::vector<std::string> blocks;
-  std::string rest = read_text(repository("docs/model-file.md"));
-  const std::string begin = "```" + language + "\n", end = "```";
-  for (std::size_t at = 0; (at = rest.find(begin)) != std::string::npos;) {
-    rest.erase(0, at + begin.size());
-    blocks.push_back(rest.substr(0, rest.find(end)));
-    EXPECT_LE(std::ranges::count(blocks.back(), '\n'), 12) << "lines are to be few";
+  std::vector<std::string> blocks = code_blocks(kModelPage, language);
+  for (const std::string& block : blocks) {
+    EXPECT_LE(std::ranges::count(block, '\n'), 12) << "lines are to be few";
   }
   return blocks;
 }
 
 TEST(ModelDocumentation, ShowsNoCodeInOtherLanguagesThanThoseThatTestsRun) {
-  const std::string page = read_text(repository("docs/model-file.md"));
+  const std::string page = read_text(repository(kModelPage));
   std::size_t fences = 0;
   for (std::size_t at = 0; (at = page.find("```", at)) != std::string::npos; at += 3) ++fences;
   EXPECT_EQ(blocks_of("python").size(), 5u);

@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "code_blocks.h"
 #include "palpate/core/error.h"
 #include "palpate/geometry/camera.h"
 #include "test_files.h"
@@ -109,6 +110,15 @@ rectification_matrix:
   cols: 3
   data: [1, 0, 0, 0, 1, 0, 0, 0, 1]
 )";
+
+TEST(CameraFile, ReadsTheRigWithoutAProjectorThatThePageShows) {
+  const std::vector<std::string> blocks = code_blocks("docs/calibration.md", "yaml");
+  ASSERT_EQ(blocks.size(), 1u);
+  const Camera camera = camera_of(blocks[0], CameraFileFormat::palpate);
+  EXPECT_EQ(camera.width, 640);
+  EXPECT_EQ(camera.fx, 600);
+  EXPECT_EQ(camera.cy, 240);
+}
 
 TEST(CameraFile, IsReadBackExactly) {
   const ScratchFolder folder;

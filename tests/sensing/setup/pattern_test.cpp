@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "code_blocks.h"
 #include "not_finite.h"
 #include "palpate/core/error.h"
 #include "synthetic_scene.h"
@@ -29,6 +30,20 @@ TEST(Pattern, ReadsTheBundledPattern) {
   EXPECT_EQ(pattern.mean, 0.575);
   EXPECT_EQ(pattern.amplitude, 0.425);
   EXPECT_FALSE(pattern.projector_size);
+}
+
+TEST(Pattern, ReadsTheNodeForSeveralImagesThatThePageShows) {
+  const std::vector<std::string> blocks = code_blocks("docs/multishot.md", "yaml");
+  ASSERT_EQ(blocks.size(), 1u);
+  const ScratchFolder folder;
+  const Pattern pattern = read_pattern(
+      written(folder, "p.yaml",
+              "%YAML:1.0\n---\naxis: x\nperiod_px: 40\nphase: 0\nmean: 0.5\namplitude: 0.5\n"
+              "projector_size: [ 640, 480 ]\n" +
+                  blocks[0]));
+  ASSERT_TRUE(pattern.multishot);
+  EXPECT_EQ(pattern.multishot->shifts.size(), 4u);
+  EXPECT_EQ(pattern.multishot->code_bits, 7);
 }
 
 TEST(Pattern, MayHaveNoStripes) {

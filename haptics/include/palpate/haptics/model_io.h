@@ -18,6 +18,9 @@ enum class ModelEncoding { json, cbor };
 /// about 14 MB then, which an editor still opens.
 inline constexpr std::size_t kMaxJsonContacts = 10'000;
 
+/// Version of the field document that this library reads and writes.
+inline constexpr int kFieldVersion = 1;
+
 /// Reads a model folder: `surface.ply`, `field.json` or, if there is none, `field.cbor` (the same
 /// document in CBOR), and `deformed/response.bin` if there is one. docs/model-file.md describes
 /// these files, docs/field.schema.json the document.

@@ -30,6 +30,9 @@ struct CampaignEvent {
   std::string text;
 };
 
+/// Version of the campaign's tables that this library reads and writes.
+inline constexpr int kStoreVersion = 2;
+
 /// The store of a running campaign: the database of acquisition_store.h, with the tables
 /// `run(key, value)`, `trial` (one row a `TrialRecord`), `reference_probe` (one row a
 /// `ReferenceProbe`) and `event(id, trial, kind, text)` beside. Each trial is one transaction,
