@@ -199,6 +199,14 @@ def geodesic_distance(
     stop_radius: float = ...,
 ) -> GeodesicDistance: ...
 
+def geodesic_distances(
+    mesh: TriangleMesh | GeodesicSurface,
+    sources: _Numbers | ClosestPoints,
+    *,
+    method: Literal["fast_marching", "exact"] = ...,
+    stop_radius: float = ...,
+) -> _Float64: ...
+
 class GeodesicPath(_Result):
     @property
     def triangles(self) -> _Int32: ...

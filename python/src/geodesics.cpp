@@ -57,6 +57,12 @@ of the mesh. Raises InvalidInput if the mesh is not valid.)")
       .def(py::init<const TriangleMesh&>(), arg("mesh"));
 }
 
+GeodesicMethod method_of(const std::string& name) {
+  return choose<GeodesicMethod>(
+      "method", name,
+      {{"fast_marching", GeodesicMethod::fast_marching}, {"exact", GeodesicMethod::exact}});
+}
+
 void add_distances(py::module_& module) {
   py::class_<GeodesicDistance>(module, "GeodesicDistance", "The result of geodesic_distance().")
       .def_property_readonly(
@@ -76,11 +82,8 @@ void add_distances(py::module_& module) {
       [](const GivenSurface& mesh, const py::object& sources, const std::string& method,
          double stop_radius) {
         const GeodesicSurface surface = surface_of(mesh);
-        const geometry::GeodesicOptions options{
-            .method = choose<GeodesicMethod>("method", method,
-                                             {{"fast_marching", GeodesicMethod::fast_marching},
-                                              {"exact", GeodesicMethod::exact}}),
-            .stop_radius = stop_radius};
+        const geometry::GeodesicOptions options{.method = method_of(method),
+                                                .stop_radius = stop_radius};
         const std::vector<SurfacePoint> points = surface_points(surface.mesh(), sources, "sources");
         const Unlocked unlocked;
         return geometry::geodesic_distance(surface, points, options);
@@ -93,6 +96,28 @@ sources: (N,) indices of vertices, or ClosestPoints of this mesh.
 method: 'fast_marching' (errors of some tenths of a percent) or 'exact'.
 stop_radius: [mm] largest distance.
 Raises InvalidInput. Ctrl-C is not heard.)");
+  module.def(
+      "geodesic_distances",
+      [](const GivenSurface& mesh, const py::object& sources, const std::string& method,
+         double stop_radius) {
+        const GeodesicSurface surface = surface_of(mesh);
+        const std::vector<SurfacePoint> points = surface_points(surface.mesh(), sources, "sources");
+        const geometry::GeodesicOptions options{.method = method_of(method),
+                                                .stop_radius = stop_radius};
+        Eigen::MatrixXd found;
+        {
+          const Unlocked unlocked;
+          found = geometry::geodesic_distances(surface, points, options);
+        }
+        return py::array_t<double>({found.cols(), found.rows()}, found.data());
+      },
+      arg("mesh").none(false), arg("sources"), kw_only(), arg("method") = "fast_marching",
+      arg("stop_radius") = std::numeric_limits<double>::infinity(),
+      R"(Distance along the surface of each vertex to each of several sources, in several threads.
+
+sources, method, stop_radius: as geodesic_distance().
+Returns [mm] (N, V), a row for each source; infinity if not reached. Raises InvalidInput. Ctrl-C is
+not heard.)");
 }
 
 /// The places of a path in arrays.

@@ -210,6 +210,8 @@ class Surfaces(unittest.TestCase):
         straight = np.linalg.norm(mesh.vertices[:, None] - places.positions, axis=2)
         np.testing.assert_allclose(found.distance, straight.min(axis=1), atol=1e-9)
         np.testing.assert_array_equal(found.label, straight.argmin(axis=1))
+        each = palpate.geodesic_distances(mesh, places, method="exact")
+        np.testing.assert_allclose(each, straight.T, atol=1e-9)
 
     def test_a_shortest_path_on_a_plane_is_the_straight_line(self):
         mesh = grid(31, 21, 0.5)

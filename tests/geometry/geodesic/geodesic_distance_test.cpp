@@ -3,6 +3,7 @@
 #include "palpate/geometry/geodesic_distance.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <numbers>
 #include <random>
@@ -28,6 +29,29 @@ using test::straight_distances;
 
 GeodesicDistance from_one(const TriangleMesh& mesh, const SurfacePoint& source) {
   return geodesic_distance(mesh, std::vector<SurfacePoint>{source});
+}
+
+TEST(GeodesicDistances, AreThoseOfEachSourceAloneForAnyNumberOfThreads) {
+  const TriangleMesh mesh = test::icosphere(3, 40);
+  std::vector<SurfacePoint> sources;
+  for (int t = 0; t < 1200; t += 100) sources.push_back({t, Vector3d(0.2, 0.3, 0.5)});
+  for (const GeodesicMethod method : {GeodesicMethod::fast_marching, GeodesicMethod::exact}) {
+    std::vector<int> told;
+    const Eigen::MatrixXd found = geodesic_distances(
+        mesh, sources, {.method = method, .stop_radius = 70, .progress = [&](int done, int total) {
+                          EXPECT_EQ(total, 12);
+                          told.push_back(done);
+                        }});
+    ASSERT_EQ(found.cols(), 12);
+    for (size_t i = 0; i < sources.size(); ++i) {
+      const GeodesicDistance alone = geodesic_distance(mesh, std::span(sources).subspan(i, 1),
+                                                       {.method = method, .stop_radius = 70});
+      EXPECT_TRUE(found.col(static_cast<Eigen::Index>(i)) == alone.distance) << i;
+    }
+    EXPECT_EQ(told, (std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}));
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_TRUE(geodesic_distances(mesh, sources, {.method = method, .stop_radius = 70}) == found);
+  }
 }
 
 TEST(GeodesicDistance, OnAFlatSheetIsTheStraightOneFromFacesEdgesAndVertices) {
@@ -320,7 +344,9 @@ TEST(GeodesicDistance, PassesTrianglesWithoutArea) {
 TEST(GeodesicDistance, RefusesBadInputAndNamesIt) {
   const auto refused = [](const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources,
                           const GeodesicOptions& options = {}) {
-    return refusal([&] { return geodesic_distance(mesh, sources, options); });
+    const std::string message = refusal([&] { return geodesic_distance(mesh, sources, options); });
+    EXPECT_EQ(refusal([&] { return geodesic_distances(mesh, sources, options); }), message);
+    return message;
   };
   const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
   const SurfacePoint good = corner_point(0, 0);

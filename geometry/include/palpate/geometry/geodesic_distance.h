@@ -55,4 +55,13 @@ struct GeodesicDistance {
                                                  std::span<const SurfacePoint> sources,
                                                  const GeodesicOptions& options = {});
 
+/// Computes the distance along the surface to each of several sources, in several threads: the same
+/// as `geodesic_distance` with each source alone.
+/// \param options `progress` counts sources, and is called by one thread at a time.
+/// \return [mm] V x N, a column for each source; infinity if not reached.
+/// \throws InvalidInput as `geodesic_distance`.
+[[nodiscard]] Eigen::MatrixXd geodesic_distances(const GeodesicSurface& surface,
+                                                 std::span<const SurfacePoint> sources,
+                                                 const GeodesicOptions& options = {});
+
 }  // namespace palpate::geometry
