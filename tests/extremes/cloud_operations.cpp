@@ -69,7 +69,9 @@ Results distances(const Input& input, const Change&) {
 }
 
 CloudShapeOptions shape_options_of(const Input& input) {
-  return {.tolerance = 1.5 * input.length, .min_share = 0.1, .max_radius = 60 * input.length};
+  return {.tolerance = 1.5 * input.length,
+          .min_share = 0.1,
+          .max_radius = 60 * input.extent * input.length};
 }
 
 Results plane(const Input& input, const Change&) {
@@ -96,11 +98,11 @@ Results cylinder(const Input& input, const Change&) {
 
 Results seen_ball(const Input& input, const Change&) {
   // The cloud before a camera, at any place of the object.
-  const Eigen::Vector3d away(0, 0, 400 * input.length);
+  const Eigen::Vector3d away(0, 0, 400 * input.extent * input.length);
   const Eigen::Matrix3Xd points = (input.place.inverse() * input.cloud).colwise() + away;
   const Eigen::Matrix3Xd normals =
       cloud_normals(points, {.viewpoints = Eigen::Matrix3Xd::Zero(3, 1)}).normals;
-  const auto found = find_ball(points, normals, 20 * input.length);
+  const auto found = find_ball(points, normals, 20 * input.extent * input.length);
   return {number("found", found ? 1 : 0), number("rms", found ? found->rms : 0, kLength)};
 }
 

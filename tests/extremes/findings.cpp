@@ -48,6 +48,7 @@ std::string summary(std::string_view operation, std::string_view theme,
       const KnownDeviation* const deviation = known(operation, theme, finding.name);
       return deviation == nullptr ? "wrong" : fmt::format("known: {}", deviation->reason);
     }
+    if (!finding.shown.empty()) return finding.shown;
     difference = std::max(difference, finding.difference);
     refused += finding.verdict == Verdict::refused ? 1 : 0;
     exact += finding.verdict == Verdict::exact ? 1 : 0;

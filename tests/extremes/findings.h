@@ -18,8 +18,9 @@ enum class Verdict { exact, within_rounding, finite, refused, wrong };
 struct Finding {
   std::string name;  ///< of the case
   Verdict verdict = Verdict::exact;
-  std::string text = {};  ///< the error, or the message
-  double difference = 0;  ///< [1] relative, if within rounding
+  std::string text = {};   ///< the error, or the message
+  double difference = 0;   ///< [1] relative, if within rounding
+  std::string shown = {};  ///< in the table, in place of a summary of all cases
 };
 
 /// The text of an agreement that a task returns: read again by `finding_of`.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "operations.h"
 #include "palpate.h"
@@ -205,12 +206,15 @@ Results device_of_c(const Input& input, const Change&) {
 }
 
 std::vector<Query> queries_of(const Input& input) {
+  std::multimap<long long, Vector3d> positions;  // of degenerate input, two of one number
+  for (const probing::Contact& contact : input.acquisition.contacts)
+    positions.emplace(contact.id, contact.position);
   std::vector<Query> queries;
   for (const probing::Sample& sample : input.acquisition.samples) {
     if (sample.slipped) continue;
-    for (const probing::Contact& contact : input.acquisition.contacts)
-      if (contact.id == sample.contact)
-        queries.push_back({contact.position, sample.b - contact.position, sample.force});
+    const auto [first, last] = positions.equal_range(sample.contact);
+    for (auto at = first; at != last; ++at)
+      queries.push_back({at->second, sample.b - at->second, sample.force});
   }
   return queries;
 }
@@ -310,9 +314,9 @@ Results safety(const Input& input, const Change& change) {
   SafetyOptions options{.max_force = 3 * input.force, .slew = 1000 * input.force, .ramp = 0.05};
   change(fields_of(options));
   SafetyFilter filter(options);
-  constexpr int kTicks = 200;
-  Eigen::Matrix3Xd forces(3, kTicks);
-  for (int tick = 0; tick < kTicks; ++tick) {
+  const int ticks = 200 * input.extent * input.extent;
+  Eigen::Matrix3Xd forces(3, ticks);
+  for (int tick = 0; tick < ticks; ++tick) {
     const double now = 1e-3 * tick, size = 5 * input.force * std::sin(0.05 * tick);
     const SafetyInput wanted{.now = now, .state_time = now, .force = size * Vector3d(0.6, 0, 0.8)};
     forces.col(tick) = filter.filter(wanted).force;

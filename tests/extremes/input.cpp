@@ -3,7 +3,9 @@
 #include "input.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
@@ -34,20 +36,23 @@ double height(double x, double y) {
          1.5 * std::sin(x / 9 + 0.3) * std::cos(y / 11);
 }
 
-TriangleMesh make_sheet() {
-  TriangleMesh sheet = geometry::test::height_field(kColumns, kRows, kCell, height);
+TriangleMesh make_sheet(int extent) {
+  const int columns = kColumns * extent;
+  TriangleMesh sheet = geometry::test::height_field(columns, kRows * extent, kCell, height);
   snap(sheet.vertices);
   // A hole of two cells beside the middle. All vertices keep a triangle.
-  constexpr int kHole = 2 * (3 * kColumns + 3), kMissing = 4;
+  constexpr int kMissing = 4;
+  const int hole = 2 * (3 * columns + 3);
   const Eigen::Matrix3Xi triangles = sheet.triangles;
   sheet.triangles.resize(3, triangles.cols() - kMissing);
-  sheet.triangles << triangles.leftCols(kHole),
-      triangles.rightCols(triangles.cols() - kHole - kMissing);
+  sheet.triangles << triangles.leftCols(hole),
+      triangles.rightCols(triangles.cols() - hole - kMissing);
   return sheet;
 }
 
-TriangleMesh make_ball() {
-  TriangleMesh ball = geometry::test::icosphere(2, 20);
+TriangleMesh make_ball(int extent) {
+  const int levels = 2 + std::countr_zero(static_cast<unsigned>(extent));
+  TriangleMesh ball = geometry::test::icosphere(levels, 20 * extent);
   for (auto vertex : ball.vertices.colwise()) {
     const Vector3d d = vertex.normalized();
     vertex *= 1 + 0.15 * d.x() * d.y() + 0.1 * std::sin(3 * d.z() + 1) + 0.08 * d.x();
@@ -76,19 +81,22 @@ Eigen::Matrix3Xd points_near(const TriangleMesh& mesh, Eigen::Index count, doubl
 }
 
 /// A contact in the middle of a triangle below each of some cells, in order.
-std::vector<geometry::SurfacePoint> make_contacts(const TriangleMesh& sheet, int columns,
-                                                  int rows) {
+std::vector<geometry::SurfacePoint> make_contacts(const TriangleMesh& sheet, int columns, int rows,
+                                                  int extent) {
   std::vector<geometry::SurfacePoint> contacts;
+  Eigen::Matrix2Xd middles(2, sheet.triangles.cols());
+  for (Eigen::Index t = 0; t < sheet.triangles.cols(); ++t)
+    middles.col(t) =
+        sheet.vertices(Eigen::all, sheet.triangles.col(t)).rowwise().mean().template head<2>();
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
-      const double x = kCell * kColumns * (column + 0.6) / columns;
-      const double y = kCell * kRows * (row + 0.55) / rows;
+      const double x = kCell * kColumns * extent * (column + 0.6) / columns;
+      const double y = kCell * kRows * extent * (row + 0.55) / rows;
       // The triangle whose middle is nearest: the hole has none.
       Eigen::Index best = 0;
       double least = 1e9;
       for (Eigen::Index t = 0; t < sheet.triangles.cols(); ++t) {
-        const Vector3d middle = sheet.vertices(Eigen::all, sheet.triangles.col(t)).rowwise().mean();
-        const double distance = std::hypot(middle.x() - x, middle.y() - y);
+        const double distance = std::hypot(middles(0, t) - x, middles(1, t) - y);
         if (distance >= least) continue;
         least = distance;
         best = t;
@@ -117,6 +125,8 @@ Eigen::Matrix3d pressing_frame(const Vector3d& normal) {
 }
 
 constexpr double kFriction = 0.6;
+/// As many contacts are of different stiffness; then they begin again.
+constexpr std::size_t kStiffnesses = 12;
 
 /// Presses and drags at each contact; the strongest drag of a direction slips.
 probing::Acquisition make_acquisition(const TriangleMesh& sheet,
@@ -133,7 +143,7 @@ probing::Acquisition make_acquisition(const TriangleMesh& sheet,
     const auto contact = static_cast<long long>(i);
     acquisition.contacts.push_back({contact, position, normal});
     const Eigen::Matrix3d frame = pressing_frame(normal);
-    const double stiffness = 0.8 + 0.05 * static_cast<double>(i);
+    const double stiffness = 0.8 + 0.05 * static_cast<double>(i % kStiffnesses);
     long long group = 0;
     for (int level = 1; level <= levels; ++level) {
       for (int k = 0; k < directions; ++k, ++group) {
@@ -157,10 +167,10 @@ probing::Acquisition make_acquisition(const TriangleMesh& sheet,
   return acquisition;
 }
 
-std::vector<haptics::FrictionTrial> make_trials() {
+std::vector<haptics::FrictionTrial> make_trials(int directions) {
   std::vector<haptics::FrictionTrial> trials;
-  for (int k = 0; k < 8; ++k) {
-    const double angle = std::numbers::pi * k / 4;
+  for (int k = 0; k < directions; ++k) {
+    const double angle = 2 * std::numbers::pi * k / directions;
     for (const double press : {0.5, 1.0, 2.0}) {
       for (const double ratio : {0.2, 0.4, 0.56, 0.64, 0.8}) {
         const double drag = ratio * press;
@@ -186,36 +196,41 @@ std::vector<haptics::TrajectoryPoint> make_trajectory(int count) {
   return trajectory;
 }
 
-Input make_input(int columns, int rows, int levels, int directions) {
+Input make_input(int columns, int rows, int levels, int directions, int extent = 1) {
+  const int area = extent * extent;
   Input input;
-  input.sheet = make_sheet();
-  input.ball = make_ball();
-  input.cloud = points_near(input.ball, 400, 0.1, 1);
-  input.places.resize(3, 60);
-  input.places << points_near(input.ball, 30, 3, 2), points_near(input.sheet, 30, 3, 3);
-  input.contacts = make_contacts(input.sheet, columns, rows);
+  input.extent = extent;
+  input.sheet = make_sheet(extent);
+  input.ball = make_ball(extent);
+  input.cloud = points_near(input.ball, 400 * area, 0.1, 1);
+  input.places.resize(3, 60 * area);
+  input.places << points_near(input.ball, 30 * area, 3, 2),
+      points_near(input.sheet, 30 * area, 3, 3);
+  input.contacts = make_contacts(input.sheet, columns * extent, rows * extent, extent);
 
   const haptics::ForceField field{
       {{3, 4, {0.3, -0.2, 0.5}}, {2, 6, {-0.4, 0.1, 0.2}, Vector3d(0.2, 0.1, 1).normalized()}}};
-  input.displacements.resize(3, 36);
-  input.forces.resize(3, 36);
+  input.displacements.resize(3, 36 * area);
+  input.forces.resize(3, 36 * area);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  for (Eigen::Index i = 0; i < 36; ++i) {
+  for (Eigen::Index i = 0; i < input.displacements.cols(); ++i) {
     Vector3d displacement{uniform(random), uniform(random), 2 + 2 * uniform(random)};
     snap(displacement);
     input.displacements.col(i) = displacement;
     input.forces.col(i) = haptics::force(field, displacement);
   }
-  input.trials = make_trials();
+  input.trials = make_trials(8 * area);
   input.acquisition = make_acquisition(input.sheet, input.contacts, levels, directions);
-  input.trajectory = make_trajectory(200);
+  input.trajectory = make_trajectory(200 * area);
 
   input.rig = sensing::make_rig(false);
-  input.rig.camera.width = 160;
-  input.rig.camera.height = 120;
-  input.rig.camera.cx = 79.5;
-  input.rig.camera.cy = 59.5;
+  input.rig.camera.width = 160 * extent;
+  input.rig.camera.height = 120 * extent;
+  input.rig.camera.cx = 80 * extent - 0.5;
+  input.rig.camera.cy = 60 * extent - 0.5;
+  input.rig.camera.fx *= extent;
+  input.rig.camera.fy *= extent;
   input.pattern = sensing::make_pattern(sensing::Axis::y, 10, 1024);
   input.colors = sensing::ideal_colors();
   input.frame = sensing::render(input.rig, input.pattern,
@@ -266,6 +281,13 @@ const Input& standard_input() {
 const Input& small_input() {
   static const Input input = make_input(3, 2, 2, 3);
   return input;
+}
+
+const Input& wide_input(int extent) {
+  static std::map<int, Input> made;
+  const auto found = made.find(extent);
+  if (found != made.end()) return found->second;
+  return made.emplace(extent, make_input(4, 3, 3, 4, extent)).first->second;
 }
 
 Input scaled(Input input, double length, double force) {

@@ -31,6 +31,7 @@ struct Order {
 struct Input {
   double length = 1;  ///< [mm] 1 in the standard input
   double force = 1;   ///< [N] 1 in the standard input
+  int extent = 1;     ///< how many times as wide as the standard input, at the same density
   Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
 
   geometry::TriangleMesh sheet;  ///< 84 mm x 60 mm in x and y, curved, open, with a hole
@@ -58,6 +59,11 @@ struct Input {
 
 /// The same with fewer contacts and samples, for what is done hundreds of times.
 [[nodiscard]] const Input& small_input();
+
+/// Many times as wide, at the same density: with `extent`^2 times as many triangles, points,
+/// contacts, samples, trials, ticks and pixels. Kept for the next call.
+/// \param extent a power of two
+[[nodiscard]] const Input& wide_input(int extent);
 
 /// The same object in another unit: all lengths and forces times powers of two.
 [[nodiscard]] Input scaled(Input input, double length, double force);

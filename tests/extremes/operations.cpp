@@ -12,6 +12,12 @@
 #include "palpate/geometry/contact_triangulation.h"
 
 namespace palpate::extremes {
+namespace {
+
+/// As many contacts are of different stiffness; then they begin again.
+constexpr std::ptrdiff_t kDifferent = 12;
+
+}  // namespace
 
 bool is_large() {
   const char* const size = std::getenv("PALPATE_EXTREMES");
@@ -71,7 +77,7 @@ haptics::Model model_of(const Input& input) {
     contact.frame.col(0) = along.cross(contact.frame.col(2)).normalized();
     contact.frame.col(1) = contact.frame.col(2).cross(contact.frame.col(0));
     contact.friction_axis = contact.frame.col(2);
-    const double weight = (2 + 0.1 * static_cast<double>(number)) * input.force;
+    const double weight = (2 + 0.1 * static_cast<double>(number % kDifferent)) * input.force;
     contact.field.bases = {{weight, 4 * input.length},
                            {weight, 6 * input.length, Eigen::Vector3d::Zero(),
                             Eigen::Vector3d(0.1, 0.2, 1).normalized()}};

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 #include <memory>
-#include <stdexcept>
 
 #include "operations.h"
 #include "palpate/probing/campaign.h"
@@ -53,7 +53,7 @@ ElasticBody body_of(const Input& input) {
   ElasticBody body;
   body.young_modulus *= input.force / (input.length * input.length);
   body.tool_radius *= input.length;
-  body.size *= input.length;
+  body.size *= input.extent * input.length;
   return body;
 }
 
@@ -83,7 +83,7 @@ Results trials(const Input& input, const Change&) {
 
 Results truth(const Input& input, const Change& change) {
   const std::unique_ptr<Specimen> specimen = make_specimen(body_of(input));
-  KnownForceOptions options{.queries = 30,
+  KnownForceOptions options{.queries = 30 * input.extent * input.extent,
                             .margin = 8 * input.length,
                             .least_force = 0.1 * input.force,
                             .max_force = 1 * input.force};
@@ -105,20 +105,17 @@ Results checked(const Input& input, const Change&) {
 Results slip(const Input& input, const Change&) {
   const SlipOptions options{.position_deviation = 0.02 * input.length,
                             .force_deviation = 0.005 * input.force};
+  std::map<long long, const Contact*> contacts;  // in another order than their numbers
+  for (const Contact& contact : input.acquisition.contacts) contacts[contact.id] = &contact;
   double slipped = 0;
   Eigen::VectorXd tests(static_cast<Eigen::Index>(input.acquisition.samples.size()));
   tests.setZero();
   Eigen::Index i = 0;
   for (const Sample& sample : input.acquisition.samples) {
     if (sample.a == sample.b) continue;  // was not dragged
-    const auto at = static_cast<std::size_t>(sample.contact);
-    // Contacts may stand in another order than their numbers.
-    const auto& contacts = input.acquisition.contacts;
-    const auto contact = std::find_if(contacts.begin(), contacts.end(),
-                                      [&](const Contact& one) { return one.id == sample.contact; });
-    if (contact == contacts.end()) throw std::logic_error("no contact " + std::to_string(at));
-    SlipTrial trial{.contact = contact->position, .a = sample.a, .b = sample.b};
-    trial.normal_force = sample.force.dot(contact->normal) * contact->normal;
+    const Contact& contact = *contacts.at(sample.contact);
+    SlipTrial trial{.contact = contact.position, .a = sample.a, .b = sample.b};
+    trial.normal_force = sample.force.dot(contact.normal) * contact.normal;
     trial.tangential_force = sample.force - trial.normal_force;
     trial.a_again = sample.a + (sample.slipped ? 0.3 : 0.01) * (sample.b - sample.a);
     const auto judged = judge_slip(trial, options);
@@ -186,9 +183,9 @@ Results campaign(const Input& input, const Change& change) {
   arm.force_noise *= input.force;
   arm.tip_compliance *= input.length / input.force;
   const std::unique_ptr<Prober> prober = make_quasi_static_arm(specimen, arm);
-  constexpr int kTrials = 12;
+  const int trials = 12 * input.extent * input.extent;
   double samples = 0;
-  for (int i = 0; i < kTrials; ++i) {
+  for (int i = 0; i < trials; ++i) {
     const std::optional<TrialOrder> order = measured.next();
     if (!order) break;
     const TrialResult result = run_trial(*prober, *order, options.program);

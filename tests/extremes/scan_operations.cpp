@@ -36,7 +36,8 @@ std::array<Scan, 2> scans_of(const Input& input) {
     for (Eigen::Index t = 0; t < input.sheet.triangles.cols(); ++t) {
       const Vector3d middle =
           input.sheet.vertices(Eigen::all, input.sheet.triangles.col(t)).rowwise().mean();
-      const double x = (middle - input.place.translation()).dot(along) / input.length;
+      const double x =
+          (middle - input.place.translation()).dot(along) / (input.length * input.extent);
       if (side == 0 ? x < 57.1 : x > 26.7)
         scan.mesh.triangles.col(kept++) = input.sheet.triangles.col(t);
     }
@@ -90,13 +91,17 @@ Results scan_registration(const Input& input, const Change& change) {
 /// A range map of a bump, seen by a camera of its own: it does not move with the object.
 RangeMap range_map_of_bump(const Input& input, double shift = 0) {
   RangeMap map;
-  map.camera = {.width = 48, .height = 36, .fx = 60, .fy = 60, .cx = 23.5, .cy = 17.5};
-  map.z.resize(36, 48);
-  for (int v = 0; v < 36; ++v) {
-    for (int u = 0; u < 48; ++u) {
-      const double x = (u - 20 - shift) / 9.0, y = (v - 16) / 8.0;
+  const int finer = input.extent, width = 48 * finer, height = 36 * finer;
+  map.camera = {.width = width, .height = height, .fx = 60.0 * finer, .fy = 60.0 * finer};
+  map.camera.cx = (width - 1) / 2.0;
+  map.camera.cy = (height - 1) / 2.0;
+  map.z.resize(height, width);
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      const double u = static_cast<double>(column) / finer, v = static_cast<double>(row) / finer;
+      const double x = (u - 20 - shift) / 9, y = (v - 16) / 8;
       const double z = 300 - 25 * std::exp(-(x * x + y * y) / 2) + 4 * std::sin(0.3 * u + 0.2 * v);
-      map.z(v, u) = static_cast<float>(z * input.length);
+      map.z(row, column) = static_cast<float>(z * input.length);
     }
   }
   for (int u = 5; u < 8; ++u) map.z.col(u).head(4).setConstant(NAN);

@@ -45,12 +45,12 @@ Rig small_rig(const Input& input) {
   return rig;
 }
 
-/// A ball of 3 times the size in front of the camera.
+/// A ball of 3 times the size in front of the camera; of a wide input, a finer one.
 Body ball_in_view(const Input& input) {
   Body body;
   body.mesh = input.ball;
-  body.mesh.vertices =
-      (3 * input.ball.vertices).colwise() + Eigen::Vector3d(0, 0, 800 * input.length);
+  body.mesh.vertices = (3.0 / input.extent * input.ball.vertices).colwise() +
+                       Eigen::Vector3d(0, 0, 800 * input.length);
   return body;
 }
 
@@ -86,11 +86,11 @@ Rig rig_of_boards() {
 }
 
 /// Exact pixels of a board of 9 x 6 corners in tilted poses.
-std::vector<RigView> views_of_board(const Rig& rig) {
+std::vector<RigView> views_of_board(const Rig& rig, int poses) {
   constexpr Board kBoard{.columns = 9, .rows = 6, .square = 15};
   const Eigen::Matrix2Xd board = board_corners(kBoard);
   std::vector<RigView> views;
-  for (int pose = 0; pose < 5; ++pose) {
+  for (int pose = 0; pose < poses; ++pose) {
     const double way = 2.4 * pose;
     const Eigen::AngleAxisd tilt(0.5, Eigen::Vector3d(std::cos(way), std::sin(way), 0));
     RigView view{.name = std::to_string(pose), .board = board};
@@ -109,12 +109,12 @@ std::vector<RigView> views_of_board(const Rig& rig) {
   return views;
 }
 
-Results calibration(const Input&, const Change& change) {
+Results calibration(const Input& input, const Change& change) {
   RigCalibrationOptions options;
   change(fields_of(options));
   const Rig rig = rig_of_boards();
   const RigCalibration found =
-      calibrate_rig(views_of_board(rig), {rig.camera.width, rig.camera.height},
+      calibrate_rig(views_of_board(rig, 5 * input.extent), {rig.camera.width, rig.camera.height},
                     {rig.projector.width, rig.projector.height}, options);
   return {number("fx of the camera", found.rig.camera.fx),
           number("fx of the projector", found.rig.projector.fx),

@@ -45,7 +45,8 @@ TriangleMesh bent(const Input& input) {
   const Eigen::Isometry3d back = input.place.inverse();
   for (auto vertex : mesh.vertices.colwise()) {
     // Along the object's own axes, whose origin `place` moves.
-    const Vector3d local = (back.linear() * (vertex - input.place.translation())) / input.length;
+    const Vector3d local =
+        (back.linear() * (vertex - input.place.translation())) / (input.length * input.extent);
     const double lift = 0.01 * local.x() * local.y() / 8;
     vertex += input.length * (input.place.linear() * Vector3d(0.03 * local.x(), 0, lift));
   }

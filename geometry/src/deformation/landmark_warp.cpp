@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
 
 namespace palpate::geometry {
 namespace {
@@ -11,6 +13,10 @@ namespace {
 // Directions that the landmarks do not span, such as the normal of a plane that contains them, have
 // pivots below this, relative to the largest. Measured positions are no more exact.
 constexpr double kSpan = 1e-3;
+
+// So many points are warped at once: the kernel of all of them with hundreds of landmarks takes
+// more memory than all else.
+constexpr Eigen::Index kWarpedAtOnce = 256;
 
 // Distances of points from landmarks, N x L.
 Eigen::MatrixXd kernel(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& landmarks) {
@@ -66,11 +72,15 @@ Eigen::Matrix3Xd warp_by_landmarks(const Eigen::Matrix3Xd& points, const Landmar
   system.compute(K);
   const Eigen::MatrixXd spline = system.solve(right);
 
-  const Eigen::Matrix3Xd places = normalised(at_similarity);
-  const Eigen::MatrixXd Q = affine(places);
-  return at_similarity +
-         (Q * (linear + spline.bottomRows(4)) + kernel(places, nodes) * spline.topRows(count))
-             .transpose();
+  Eigen::Matrix3Xd warped = at_similarity;
+  for (Eigen::Index first = 0; first < warped.cols(); first += kWarpedAtOnce) {
+    const Eigen::Index size = std::min(kWarpedAtOnce, warped.cols() - first);
+    const Eigen::Matrix3Xd places = normalised(at_similarity.middleCols(first, size));
+    warped.middleCols(first, size) += (affine(places) * (linear + spline.bottomRows(4)) +
+                                       kernel(places, nodes) * spline.topRows(count))
+                                          .transpose();
+  }
+  return warped;
 }
 
 }  // namespace palpate::geometry
