@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // Results are the same to the last bit for any number of threads, in a host whose locale writes
-// commas, and whatever was in memory before.
+// commas and whose clock is elsewhere, whatever was in memory before, and wherever memory lies.
+// There is no seed of hashes to vary: the libraries hash integers only, which are their own hashes.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -10,6 +11,8 @@
 #include <bit>
 #include <clocale>
 #include <cstdint>
+#include <cstdlib>
+#include <ctime>
 #include <locale>
 #include <sstream>
 
@@ -25,15 +28,62 @@ struct Commas : std::numpunct<char> {
   [[nodiscard]] std::string do_grouping() const override { return "\3"; }
 };
 
+/// Where blocks of memory lie.
+enum class Blocks {
+  usual,
+  fresh,     ///< none where another was freed
+  shifted,   ///< the same 48 bytes on, so that one of both is not where it usually is in a register
+  own_pages  ///< large ones in pages of their own, the later at the lower address
+};
+
 struct Host {
   const char* name;
   int threads = 1;
-  bool has_commas = false;
-  int memory = 0;  ///< the byte with which fresh memory is filled
+  bool is_abroad = false;  ///< decimal commas, and another time zone
+  int memory = 0;          ///< the byte with which fresh memory is filled
+  Blocks blocks = Blocks::usual;
 };
 
-constexpr std::array kHosts = {Host{"4 threads", 4}, Host{"commas", 1, true},
-                               Host{"perturbed memory", 1, false, 0xa5}};
+constexpr std::array kHosts = {Host{"2 threads, shifted memory", 2, false, 0, Blocks::shifted},
+                               Host{"8 threads, fresh memory", 8, false, 0, Blocks::fresh},
+                               Host{"commas, another time zone", 1, true},
+                               Host{"perturbed memory", 1, false, 0xa5},
+                               Host{"memory in other pages", 1, false, 0, Blocks::own_pages}};
+
+/// Moves what is allocated from now on. The blocks are never freed: the process ends soon.
+void move_blocks(Blocks blocks) {
+  if (blocks == Blocks::usual) return;
+  [[maybe_unused]] void* volatile block = nullptr;  // or the compiler omits the calls
+  // Blocks that were freed before lie where they lay: use them up, the small ones by size.
+  constexpr std::size_t kStep = 16, kHeader = 8, kLargest = 2048, kLeft = 1 << 14;
+  constexpr int kOfEach = 16, kMost = 1 << 14;
+  const auto is_free = [] {
+    const auto info = mallinfo2();
+    return info.fordblks > info.keepcost + kLeft;
+  };
+  for (std::size_t size = kStep; size <= kLargest; size += kStep)
+    for (int i = 0; i < kOfEach; ++i) block = std::malloc(size);
+  for (int i = 0; i < kMost && (i % kOfEach != 0 || is_free()); ++i)
+    block = std::malloc(kLargest - kHeader);
+  if (blocks == Blocks::own_pages) mallopt(M_MMAP_THRESHOLD, 4096);
+  if (blocks == Blocks::shifted) block = std::malloc(2 * kLeft + 3 * kStep - kHeader);
+}
+
+/// Where a block of a vector of some thousand numbers lies in its page.
+int place_in_page(Blocks blocks) {
+  const std::vector<Outcome> outcomes = run_apart(1, [&](std::size_t) {
+    move_blocks(blocks);
+    void* volatile block = std::malloc(20'000);
+    return std::to_string(std::bit_cast<std::uintptr_t>(block) % 4096);
+  });
+  return std::atoi(outcomes.front().text.c_str());
+}
+
+TEST(MovedBlocks, LieElsewhere) {
+  if (is_sanitized()) GTEST_SKIP() << "sanitizers place blocks themselves";
+  EXPECT_EQ((place_in_page(Blocks::shifted) - place_in_page(Blocks::fresh) + 4096) % 64, 48);
+  EXPECT_EQ(place_in_page(Blocks::own_pages), 16);  // after its header
+}
 
 /// A line with the name and a hash (FNV-1a) of the bits of each result.
 std::string fingerprint(const Results& results) {
@@ -53,7 +103,10 @@ std::string fingerprint(const Results& results) {
 Outcome outcome_in(const Host& host, const Operation& operation) {
   return run_apart(1,
                    [&](std::size_t) {
-                     if (host.has_commas) {
+                     move_blocks(host.blocks);
+                     if (host.is_abroad) {
+                       setenv("TZ", "Asia/Kathmandu", 1);
+                       tzset();
                        std::locale::global(std::locale(std::locale::classic(), new Commas));
                        static_cast<void>(std::setlocale(LC_ALL, "de_DE.UTF-8"));
                      }
