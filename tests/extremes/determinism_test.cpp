@@ -65,7 +65,13 @@ void move_blocks(Blocks blocks) {
     for (int i = 0; i < kOfEach; ++i) block = std::malloc(size);
   for (int i = 0; i < kMost && (i % kOfEach != 0 || is_free()); ++i)
     block = std::malloc(kLargest - kHeader);
-  if (blocks == Blocks::own_pages) mallopt(M_MMAP_THRESHOLD, 4096);
+  if (blocks == Blocks::own_pages) {
+    constexpr int kPage = 4096;
+    mallopt(M_MMAP_THRESHOLD, kPage);
+    mallopt(M_TOP_PAD, 0);
+    // What the end of the heap has room for does not get pages of its own.
+    while (mallinfo2().keepcost >= kPage) block = std::malloc(kLargest - kHeader);
+  }
   if (blocks == Blocks::shifted) block = std::malloc(2 * kLeft + 3 * kStep - kHeader);
 }
 
