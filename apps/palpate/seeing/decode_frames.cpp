@@ -48,8 +48,18 @@ cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
   return sensing::srgb_of(sensing::surface_color(image, decoded.result.range, rig, call.shown));
 }
 
-/// Warns if most phases are not used because their surfaces have no anchor.
+/// Warns if most phases are not used because their surfaces have no anchor, or because steps may be
+/// hidden between surfaces.
 void warn_of_pixels_without_anchor(const std::string& frame, const sensing::ReasonImage& reasons) {
+  const long doubtful = sensing::count(reasons, sensing::Reason::ambiguous_offset);
+  if (doubtful > 0) {
+    spdlog::warn(
+        "{}: {} pixels around the anchors get no depth. The sinusoid hardly shows steps, and the "
+        "anchored regions are not most of what it lights, so they may hold other surfaces whole "
+        "periods away. Project stripes or the other --axis, or give an --anchor on each surface.",
+        frame, doubtful);
+    return;
+  }
   const long without = sensing::count(reasons, sensing::Reason::no_transition);
   const long decoded = sensing::count(reasons, sensing::Reason::reconstructed);
   if (without <= decoded) return;

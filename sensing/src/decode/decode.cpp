@@ -40,6 +40,7 @@
 #include "regions/phase_seams.h"
 #include "regions/snakes.h"
 #include "regions/stripe_transitions.h"
+#include "setup/baseline.h"
 
 namespace palpate::sensing {
 namespace {
@@ -130,6 +131,7 @@ struct Decoder::Impl {
   RigDeviation rig_deviation;
   DemodulationFilter filter;
   std::optional<Stripes> stripes;  ///< if the pattern has any
+  bool steps_show;                 ///< under the sinusoid alone
   mutable Pool<Workspace> workspaces;
 };
 
@@ -139,7 +141,8 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
       camera(rig.camera),
       model(decoded_rig(rig, pattern, options.half_resolution), pattern),
       rig_deviation(model.rig(), pattern.axis, model.carrier(), model.rows(), model.columns()),
-      filter(make_filter(model.carrier().along, options.window_periods)) {
+      filter(make_filter(model.carrier().along, options.window_periods)),
+      steps_show(shows_steps(rig, pattern.axis)) {
   check_pattern_fits(pattern, rig.projector, "pattern");
   geometry::Camera seen = rig.camera;
   if (options.half_resolution) {
@@ -234,7 +237,7 @@ void Decoder::Impl::find_regions(Workspace& work) const {
   const FloodLimits limits{.max_variance = options.max_phase_variance,
                            .max_step = options.max_phase_step};
   phase_variance(work.wrapped, work.modulated, work.variance);
-  if (!stripes) cut_at_steps(model, filter, options, work);
+  if (!stripes) cut_at_steps(model, filter, options, steps_show, work);
   const bool snakes = options.segmentation == Segmentation::snakes;
   if (snakes) {
     grow_snakes(work.wrapped, work.variance, limits, work.regions);
@@ -258,7 +261,7 @@ void Decoder::Impl::find_regions(Workspace& work) const {
                           work.model(model), {filter.radius, filter.width() / 2}, work.regions,
                           work.offsets, work.tinted);
   } else {
-    anchor_regions(model, filter, options, work);
+    anchor_regions(model, filter, options, steps_show, work);
   }
   add_offsets(work.regions, work.offsets, work.phase, work.reasons);
 }

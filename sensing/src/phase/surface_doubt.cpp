@@ -11,6 +11,7 @@
 
 #include "image/hot_loop.h"
 #include "phase/doubtful_change.h"
+#include "phase/light_step.h"
 
 namespace palpate::sensing {
 namespace {
@@ -26,6 +27,12 @@ constexpr DoubtfulChange kLight{.most = 0.25, .least = 0.04, .typicals = 40};
 /// more steps stay unseen. Down the columns, the window of the phase rounds relief.
 constexpr DoubtfulChange kJumpAcross{.most = 0.1, .least = 0.012, .typicals = 20};
 constexpr DoubtfulChange kJumpDown{.most = 0.25, .least = 0.012, .typicals = 14};
+
+/// If the sinusoid hardly shows steps: part of the values above that is doubtful then, and step of
+/// the light down the columns. Compromises: at half of the values a real relief falls into pieces;
+/// at the whole ones, or without the light, real objects and the wall behind them are one.
+constexpr float kHiddenPart = 2.0F / 3;
+constexpr float kLightDown = 0.15F;
 
 /// Distance from a pixel beyond which an edge of the light at it is not seen [px].
 constexpr long kEdge = 2;
@@ -161,7 +168,8 @@ PALPATE_HOT_LOOP void find_phase_changes(const PhaseRows& rows, float* __restric
   }
 }
 
-void add_changes_down(const Plane& modulation, const Plane& phase, double period, Plane& doubt) {
+void add_changes_down(const Plane& modulation, const Plane& phase, double period, float part,
+                      Plane& doubt) {
   const long whole = std::lround(period);
   const long half = whole / 2;
   const long rows = doubt.rows();
@@ -179,9 +187,9 @@ void add_changes_down(const Plane& modulation, const Plane& phase, double period
                         row_of(phase, row + half), row_of(phase, row + 3 * half)},
                        &bend(row, 0), &jump(row, 0), columns);
   }
-  add_doubt(contrast, kDoubtfulModulation, kUnproven, doubt);
-  add_doubt(bend, kDoubtfulFrequency, 0, doubt);
-  add_doubt(jump, doubtful_change(jump, kJumpDown), 0, doubt);
+  add_doubt(contrast, part * kDoubtfulModulation, kUnproven, doubt);
+  add_doubt(bend, part * kDoubtfulFrequency, 0, doubt);
+  add_doubt(jump, part * doubtful_change(jump, kJumpDown), 0, doubt);
 }
 
 /// Sums of the sinusoid over ranges of a row, where the phase is known.
@@ -222,7 +230,8 @@ double slope(const std::optional<std::complex<double>>& from,
 }
 
 /// Adds the doubt of the jump of the phase between the two sides of a pixel, each continued to it.
-void add_jumps(const Combined& sinusoid, const Plane& light, double period, Plane& doubt) {
+void add_jumps(const Combined& sinusoid, const Plane& light, double period, float part,
+               Plane& doubt) {
   const long side = std::max(kLeastSide, std::lround(period * kSidePart));
   const double to_pixel = static_cast<double>(kEdge) + static_cast<double>(side - 1) / 2;
   const double ranges = to_pixel / static_cast<double>(side);
@@ -244,14 +253,15 @@ void add_jumps(const Combined& sinusoid, const Plane& light, double period, Plan
       (whole ? jumps : at_ends)(row, column) = whole_turns_removed(jump) / kTurn;
     }
   }
-  add_doubt(jumps, doubtful_change(jumps, kJumpAcross), 0, doubt);
-  add_doubt(at_ends, static_cast<float>(kJumpAcross.most), 0, doubt);
+  add_doubt(jumps, part * doubtful_change(jumps, kJumpAcross), 0, doubt);
+  add_doubt(at_ends, part * static_cast<float>(kJumpAcross.most), 0, doubt);
 }
 
 }  // namespace
 
 void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& filter,
-                        double max_variance, SurfaceDoubt& doubt) {
+                        const DoubtOptions& options, SurfaceDoubt& doubt) {
+  const float part = options.steps_show ? 1 : kHiddenPart;
   const long rows = signal.wrapped.rows();
   const long columns = signal.wrapped.cols();
   const auto known = signal.variance.isFinite();
@@ -259,7 +269,7 @@ void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& f
   Plane light = Plane::Zero(rows, columns);
   for (const Demodulated& channel : signal.channels) light = light.max(channel.mean);
   light = known.select(light, kUnknown);
-  doubt.across = signal.variance / static_cast<float>(max_variance);
+  doubt.across = signal.variance / static_cast<float>(options.max_variance);
   doubt.down = doubt.across;
 
   Plane phase = known.select(signal.wrapped, kUnknown);
@@ -270,17 +280,24 @@ void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& f
   const long cut = std::lround(filter.period() * kCutPart);
   drop_ends(cut, modulation);
   drop_ends(cut, phase);
-  add_changes_down(modulation, phase, filter.period(), doubt.down);
+  add_changes_down(modulation, phase, filter.period(), part, doubt.down);
+  Plane contrast;
+  if (!options.steps_show) {
+    Plane inner = light;
+    drop_ends(cut, inner);
+    find_light_steps(inner, std::lround(filter.period() / 2), contrast);
+    add_doubt(contrast, kLightDown, 0, doubt.down);
+  }
 
-  Plane contrast = Plane::Constant(rows, columns, kUnknown);
+  contrast.setConstant(rows, columns, kUnknown);
   for (long row = 0; row < rows && columns > 2 * kEdge; ++row) {
     if (signal.channels.size() > 1) fill_dips(row, light);
     const float* const one = &light(row, 0);
     const float* const other = &light(row, 2 * kEdge);
     find_contrast(one, other, one, other, &contrast(row, kEdge), columns - 2 * kEdge);
   }
-  add_doubt(contrast, doubtful_change(contrast, kLight), 0, doubt.across);
-  add_jumps(signal.sharp, light, filter.period(), doubt.across);
+  add_doubt(contrast, part * doubtful_change(contrast, kLight), 0, doubt.across);
+  add_jumps(signal.sharp, light, filter.period(), part, doubt.across);
 }
 
 }  // namespace palpate::sensing

@@ -26,6 +26,11 @@ struct SurfaceDoubt {
   Plane across;  ///< between those beside it in its row
 };
 
+struct DoubtOptions {
+  double max_variance = 0;  ///< of the phase on one surface [rad^2]
+  bool steps_show = true;  ///< false if the sinusoid hardly shows steps: smaller changes are doubts
+};
+
 /// A step of depth changes the phase by whole turns and a fraction. The fraction does not show the
 /// whole turns, and if it is small the phase does not show the step. But the other surface has
 /// another distance, slope and material. The doubt is a sum of squares, each divided by a value
@@ -38,7 +43,9 @@ struct SurfaceDoubt {
 ///   across them, where little is blurred, the jump of the phase as it is continued from either
 ///   side, and that of the light.
 /// If one of the places has no phase, nothing is added, but half a doubt for the modulation.
+/// If the sinusoid hardly shows steps, its changes and those of the light across the columns are
+/// doubts at two thirds of these values, and the step of the light down the columns is added.
 void find_surface_doubt(const SurfaceSignal& signal, const DemodulationFilter& filter,
-                        double max_variance, SurfaceDoubt& doubt);
+                        const DoubtOptions& options, SurfaceDoubt& doubt);
 
 }  // namespace palpate::sensing

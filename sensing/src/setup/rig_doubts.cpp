@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "palpate/geometry/median.h"
-#include "setup/triangulation.h"
+#include "setup/baseline.h"
 
 namespace palpate::sensing {
 namespace {
@@ -39,13 +39,6 @@ struct Bounds {
 constexpr Bounds kBaseline{1, 10, 5e3, 5e4, {30, 1000}};
 /// From microscopes to the range of the longest laser scanners.
 constexpr Bounds kDepth{1, 10, 1e5, 1e7, {100, 10000}};
-
-/// Least part of the baseline along a sinusoid that shows steps of depth. With 28 %, 18 to 77 % of
-/// the depths of real captures were wrong beyond steps, with 96 %, below 1 % of most
-/// (docs/sensing-accuracy.md). Below a half, the other axis shows them 1.7 times as clearly.
-constexpr double kLeastAlong = 0.5;
-/// Rays on each side of the camera's image that see the baseline.
-constexpr int kRaysPerSide = 3;
 
 /// The units in which `length` would be a usual one; empty if none.
 std::string likely_units(double length, const Bounds& bounds) {
@@ -130,24 +123,6 @@ std::string likely_scales(double depth, double mm_per_unit) {
   return text;
 }
 
-/// The part of the baseline along each axis of the projector, in [0, 1]: the direction in which the
-/// image of a point moves on the panel as the point moves along a ray of the camera.
-Eigen::Array2d parts_of_baseline(const Rig& rig) {
-  const Triangulation triangulation(rig);
-  const Eigen::Vector3d& t = rig.T_projector_camera.translation();
-  const Eigen::Vector2d step =
-      Eigen::Vector2d(rig.camera.width - 1, rig.camera.height - 1) / (kRaysPerSide - 1);
-  Eigen::Array2d squares = Eigen::Array2d::Zero();
-  for (int i = 0; i < kRaysPerSide * kRaysPerSide; ++i) {
-    const Eigen::Vector2d pixel(i % kRaysPerSide * step.x(), i / kRaysPerSide * step.y());
-    const Eigen::Vector3d ray =
-        triangulation.direction(geometry::undistort(rig.camera, pixel)).normalized();
-    const Eigen::Vector2d motion = ray.z() * t.head<2>() - t.z() * ray.head<2>();
-    if (motion.allFinite()) squares += motion.array().square();
-  }
-  return (squares / squares.sum()).sqrt();
-}
-
 }  // namespace
 
 std::vector<Doubt> camera_doubts(const geometry::Camera& camera) {
@@ -166,16 +141,18 @@ std::vector<Doubt> rig_doubts(const Rig& rig) {
 }
 
 std::vector<Doubt> sinusoid_doubts(const Rig& rig, const Pattern& pattern) {
+  if (shows_steps(rig, pattern.axis)) return {};
   const Eigen::Array2d parts = parts_of_baseline(rig);
   const int along = pattern.axis == Axis::x ? 0 : 1;
-  if (!(parts[along] < kLeastAlong)) return {};
-  return {{.subject = "axis",
-           .message = fmt::format(
-               "axis: only {:.0f} % of the baseline between camera and projector lies along the "
-               "sinusoid, which therefore hardly shows steps: depths beyond a step may be wrong by "
-               "whole periods, with small deviations. A single smooth surface is measured well. "
-               "For several surfaces, project a pattern with --axis {} ({:.0f} %)",
-               100 * parts[along], along == 0 ? "y" : "x", 100 * parts[1 - along])}};
+  return {
+      {.subject = "axis",
+       .message = fmt::format(
+           "axis: only {:.0f} % of the baseline between camera and projector lies along the "
+           "sinusoid, which therefore hardly shows steps: there are depths only if the anchored "
+           "regions hold most of what shows the sinusoid, as a single smooth surface does. For "
+           "several surfaces, project stripes or a pattern with --axis {} ({:.0f} %), or give "
+           "an anchor on each",
+           100 * parts[along], along == 0 ? "y" : "x", 100 * parts[1 - along])}};
 }
 
 std::vector<Doubt> depth_doubts(double depth) {

@@ -31,7 +31,8 @@ using Shares = std::vector<std::function<double(double)>>;
 
 /// The doubt about a surface; the phase is known everywhere.
 SurfaceDoubt doubt_about(const std::function<Seen(double, double)>& surface,
-                         const Shares& shares = {[](double) { return 1.0; }}) {
+                         const Shares& shares = {[](double) { return 1.0; }},
+                         bool steps_show = true) {
   std::vector<Plane> images(shares.size(), Plane(kDoubtRows, kDoubtColumns));
   for (long row = 0; row < kDoubtRows; ++row) {
     for (long column = 0; column < kDoubtColumns; ++column) {
@@ -68,7 +69,7 @@ SurfaceDoubt doubt_about(const std::function<Seen(double, double)>& surface,
                       .sharp = combined_sharp,
                       .wrapped = wrapped,
                       .variance = variance},
-                     filter, 0.01, doubt);
+                     filter, {.max_variance = 0.01, .steps_show = steps_show}, doubt);
   return doubt;
 }
 
@@ -168,6 +169,23 @@ TEST(SurfaceDoubt, SeesSmallJumpsOnSmoothSurfacesOnly) {
   EXPECT_LT(doubt_at_jump(0.08), 1.0F);
 }
 
+TEST(SurfaceDoubt, SeesSmallerChangesIfTheSinusoidHardlyShowsSteps) {
+  const Shares all = {[](double) { return 1.0; }};
+  const auto brighter = [](double row, double) {
+    return Seen{.light = row > kMiddleRow ? 0.45 : 0.25, .phase = phase_at(row)};
+  };
+  EXPECT_LT(doubt_about(brighter).down.row(kMiddleRow).maxCoeff(), 0.5F);
+  EXPECT_GT(doubt_about(brighter, all, false).down.row(kMiddleRow).minCoeff(), 1.0F);
+  // Of another frequency and material.
+  const auto changed = [](double row, double) {
+    const bool behind = row > kMiddleRow;
+    return Seen{.modulation = behind ? 0.55 : 0.8,
+                .phase = phase_at(row, behind ? 3 : 0, behind ? 1.18 : 1)};
+  };
+  EXPECT_LT(doubt_about(changed).down.row(kMiddleRow).maxCoeff(), 1.0F);
+  EXPECT_GT(doubt_about(changed, all, false).down.row(kMiddleRow).minCoeff(), 1.0F);
+}
+
 TEST(SurfaceDoubt, IsInfiniteWhereThePhaseIsUnknown) {
   const Plane none = Plane::Constant(30, 20, std::numeric_limits<float>::infinity());
   const std::vector<Demodulated> channels(1, {none, none, none});
@@ -180,7 +198,7 @@ TEST(SurfaceDoubt, IsInfiniteWhereThePhaseIsUnknown) {
                       .sharp = combined,
                       .wrapped = Plane::Zero(30, 20),
                       .variance = none},
-                     make_filter(1), 0.01, doubt);
+                     make_filter(1), {.max_variance = 0.01}, doubt);
   EXPECT_TRUE(doubt.down.isInf().all());
   EXPECT_TRUE(doubt.across.isInf().all());
 }

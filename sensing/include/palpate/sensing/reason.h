@@ -19,7 +19,7 @@ enum class Reason : std::uint8_t {
   low_modulation = 3,    ///< the sinusoid is too weak: min_modulation, max_phase_sigma
   uneven_phase = 4,      ///< the phase variance exceeds max_phase_variance: a step, or noise
   no_transition = 5,     ///< too few stripe edges were read in its region, or it has no anchor
-  ambiguous_offset = 6,  ///< the stripe edges of its region disagree on the multiple of 2 pi
+  ambiguous_offset = 6,  ///< stripe edges, or hidden steps, leave several multiples of 2 pi
   border = 7,            ///< its window crosses the border of the light or a step of the phase
   off_panel = 8,         ///< its phase leads to a point that the projector does not light
   grazing = 9,           ///< |dz / dphase| exceeds max_sensitivity

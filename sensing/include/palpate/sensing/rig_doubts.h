@@ -35,8 +35,8 @@ struct Doubt {
 [[nodiscard]] std::vector<Doubt> rig_doubts(const Rig& rig);
 
 /// Judges whether a sinusoid without stripes shows steps of depth, which is unlikely if less than
-/// half of the baseline lies along it: with `DecodeOptions::anchors`, depths beyond a step may then
-/// be wrong by whole periods. A single smooth surface is measured.
+/// half of the baseline lies along it: with `DecodeOptions::anchors`, there are then depths only if
+/// the anchored regions hold most of the pixels, as a single smooth surface does.
 /// \pre rig and pattern are valid.
 [[nodiscard]] std::vector<Doubt> sinusoid_doubts(const Rig& rig, const Pattern& pattern);
 
