@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-THEMES = ["lengths 2^30", "forces 2^30", "2^100", "places", "turns", "orders", "degenerate", "options", "hosts"]
+THEMES = ["lengths 2^30", "forces 2^30", "2^100", "places", "turns", "orders", "degenerate", "options", "hosts", "conditioning"]
 
 HEAD = """# Extremes
 
@@ -29,6 +29,7 @@ samples, a trajectory, and a frame of 160 x 120 px.
 | degenerate | stray and equal vertices, needles of 1e8, one triangle, sizes from 1e-6 to 1e6, contacts 1e-9 mm apart, friction 0 and 100, black and white frames, and more | finite results, or rejected with an error message |
 | options | each field of the options at NaN, infinities, 0, +-1e+-300, and at, inside and outside its bounds | outside: rejected by name; inside: done within the time limit, finite or rejected |
 | hosts | 2 and 8 threads, a locale with decimal commas, another time zone, memory filled with 0xa5, blocks of memory 48 bytes further or in pages of their own | the same to the last bit |
+| conditioning | coordinates, forces and pixels changed at random by 2^-40 of their size; also on inputs that are nearly flat, round, in a line or parallel | the result changes by at most 2^-13, or within the error that it states, or it carries a word (*said*), such as a verdict that is not "accepted" |
 
 *exact*: the same to the last bit. A number: the largest relative difference, within the stated tolerance of the operation, or within
 the rounding of coordinates at that place. *finite*: only finiteness is tested. *n of m refused*: n of m cases are rejected with an

@@ -12,7 +12,7 @@
 
 namespace palpate::extremes {
 
-enum class Verdict { exact, within_rounding, finite, refused, wrong };
+enum class Verdict { exact, within_rounding, finite, said, refused, wrong };
 
 /// The result of a case of a theme for an operation.
 struct Finding {
@@ -27,6 +27,10 @@ struct Finding {
 [[nodiscard]] std::string report_of(const Agreement& agreement, bool must_be_exact);
 /// The same for results that need only be finite.
 [[nodiscard]] std::string report_of_finite(const Results& results);
+/// A result that is off, and says so.
+[[nodiscard]] std::string report_of_said();
+/// Results that are off by this, relative to their size.
+[[nodiscard]] std::string report_of_difference(double difference);
 [[nodiscard]] std::string report_of_wrong(std::string_view what);
 
 /// A finding of the outcome of a task. A refusal must say something that can be read.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -133,7 +134,9 @@ Results building(const Input& input, const Change& change) {
   BuildOptions options = build_options_of(input);
   change(fields_of(options));
   const BuildResult found = build_model(input.acquisition, input.sheet, options);
-  return {forces_at_contacts(found.model, input, kRoundedNoise),
+  double rms = 0;
+  for (const ContactModel& contact : found.model.contacts) rms = std::max(rms, contact.rms);
+  return {stating(forces_at_contacts(found.model, input, kRoundedNoise), rms),
           number("left out", static_cast<double>(found.left_out.size()))};
 }
 
@@ -290,8 +293,10 @@ Results identification(const Input& input, const Change& change) {
   change(fields_of(options));
   const IdentifiedHalfSpace found =
       identify_half_space(input.acquisition, 3 * input.length, options);
-  return {number("rms", found.report.rms, kLength, 1e-3),
-          number("explained", found.report.explained, kNumber, 1e-3)};
+  const bool is_sound = found.report.verdict == haptics::Verdict::describes;
+  const std::string words = is_sound ? "" : haptics::to_string(found.report.verdict);
+  return {saying(number("rms", found.report.rms, kLength, 1e-3), words),
+          saying(number("explained", found.report.explained, kNumber, 1e-3), words)};
 }
 
 Results strip(const Input& input, const Change& change) {
@@ -299,8 +304,10 @@ Results strip(const Input& input, const Change& change) {
                           .force_noise = 0.01 * input.force};
   change(fields_of(options));
   const IdentifiedStrip found = identify_strip(input.acquisition, options);
-  return {number("rms", found.report.rms, kLength, 1e-3),
-          number("explained", found.report.explained, kNumber, 1e-3)};
+  const bool is_sound = found.report.verdict == haptics::Verdict::describes;
+  const std::string words = is_sound ? "" : haptics::to_string(found.report.verdict);
+  return {saying(number("rms", found.report.rms, kLength, 1e-3), words),
+          saying(number("explained", found.report.explained, kNumber, 1e-3), words)};
 }
 
 Results drawing(const Input& input, const Change&) {

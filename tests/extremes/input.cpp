@@ -11,6 +11,7 @@
 #include <random>
 
 #include "../sensing/synthetic_scene.h"
+#include "boards.h"
 #include "palpate/haptics/force_field.h"
 #include "test_surfaces.h"
 
@@ -237,6 +238,8 @@ Input make_input(int columns, int rows, int levels, int directions, int extent =
                                 sensing::nearer(sensing::sphere({0, 0, 800}, 60),
                                                 sensing::plane({0, 0.1, 1}, 860)))
                     .frame;
+  constexpr double kTilt = 0.5;  // [rad]
+  input.views = views_of_board(5 * extent, kTilt);
   return input;
 }
 
@@ -307,6 +310,7 @@ Input scaled(Input input, double length, double force) {
   }
   for (haptics::TrajectoryPoint& point : input.trajectory) point.tool *= length;
   input.rig.T_projector_camera.translation() *= length;
+  for (sensing::RigView& view : input.views) view.board *= length;
   return input;
 }
 

@@ -13,6 +13,7 @@
 #include "palpate/probing/acquisition.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
+#include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/trained_colors.h"
 
 namespace palpate::extremes {
@@ -49,7 +50,8 @@ struct Input {
   sensing::Rig rig;
   sensing::Pattern pattern;
   sensing::TrainedColors colors;
-  cv::Mat frame;  ///< the image of a ball in the camera of `rig`
+  cv::Mat frame;                        ///< the image of a ball in the camera of `rig`
+  std::vector<sensing::RigView> views;  ///< of a board, in the rig of boards.h
 
   Order order;
 };

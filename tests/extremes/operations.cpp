@@ -140,4 +140,14 @@ Result unknown_allowed(Result result) {
   return result;
 }
 
+Result stating(Result result, double error) {
+  result.stated = error;
+  return result;
+}
+
+Result saying(Result result, std::string_view words) {
+  result.words = words;
+  return result;
+}
+
 }  // namespace palpate::extremes

@@ -5,6 +5,7 @@
 #include <functional>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "input.h"
@@ -30,7 +31,8 @@ enum Part : unsigned {
   kTrajectory = 1U << 8U,
   kFrame = 1U << 9U,
   kForces = 1U << 10U,  ///< none of the above, but `Input::force`
-  kOptions = 1U << 11U  ///< it has options with a list of their fields, which `Change` may change
+  kViews = 1U << 11U,
+  kOptions = 1U << 12U  ///< it has options with a list of their fields, which `Change` may change
 };
 
 /// An operation of the libraries. All listed operations are in every theme.
@@ -92,6 +94,12 @@ void PrintTo(const Operation& operation, std::ostream* stream);
                              double tolerance = 1e-9);
 /// The same result, where NaN and infinity say "unknown" or "none".
 [[nodiscard]] Result unknown_allowed(Result result);
+
+/// The same result of an operation that states how far it may be off, in the result's unit.
+[[nodiscard]] Result stating(Result result, double error);
+/// The same result of an operation that says that it is not to be relied on.
+/// \param words empty: it does not say so
+[[nodiscard]] Result saying(Result result, std::string_view words);
 
 /// A tolerance for what depends on the frame or the order in more than rounding, such as where a
 /// grid lies or which of two equal edges goes first.

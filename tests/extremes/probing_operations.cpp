@@ -124,7 +124,8 @@ Results slip(const Input& input, const Change&) {
   }
   std::sort(tests.begin(), tests.end());
   return {number("slipped", slipped, kNumber, 0.05),
-          numbers("tests", tests, kNumber, nullptr, 1e-6)};
+          // Of a statistic that is compared with some ten, differences below 1 mean nothing.
+          stating(numbers("tests", tests, kNumber, nullptr, 1e-6), 1)};
 }
 
 Results cone(const Input& input, const Change&) {
@@ -165,7 +166,8 @@ Results placement(const Input& input, const Change& change) {
   }
   const ArmPlacement found = place_by_touches(tips, input.sheet, options);
   return {number("used", found.used, kNumber, kAnything),
-          places("tips", found.T_camera_base * tips, &Order::contacts, 1e-3)};
+          saying(places("tips", found.T_camera_base * tips, &Order::contacts, 1e-3),
+                 found.determined ? "" : found.reason)};
 }
 
 Results campaign(const Input& input, const Change& change) {

@@ -39,6 +39,10 @@ struct Result {
   double tolerance = 1e-9;
   /// NaN and infinity are documented: "unknown", "none".
   bool may_be_unknown = false;
+  /// What the operation states that the result may be off, in its unit; 0: it states nothing.
+  double stated = 0;
+  /// What the operation says against relying on the result; empty: nothing.
+  std::string words = {};
 };
 
 using Results = std::vector<Result>;

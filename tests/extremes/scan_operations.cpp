@@ -59,9 +59,11 @@ Results registration(const Input& input, const Change& change) {
   const Eigen::Matrix3Xd back = found.T_target_source * (off * input.cloud);
   // Fits to a noisy cloud differ by what the refinement leaves.
   constexpr double kLeft = 2e-4;
-  return {unknown_allowed(number("rms", found.rms, kLength, 0.03)),
-          unknown_allowed(places("points", back, &Order::cloud, kLeft)),
-          number("accepted", found.verdict == RegistrationVerdict::accepted ? 1 : 0)};
+  const bool is_accepted = found.verdict == RegistrationVerdict::accepted;
+  const std::string words = is_accepted ? "" : found.reason;
+  return {saying(unknown_allowed(number("rms", found.rms, kLength, 0.03)), words),
+          saying(unknown_allowed(places("points", back, &Order::cloud, kLeft)), words),
+          number("accepted", is_accepted ? 1 : 0)};
 }
 
 Results merging(const Input& input, const Change& change) {

@@ -3,12 +3,11 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 
+#include "boards.h"
 #include "operations.h"
-#include "palpate/sensing/board_views.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern_design.h"
@@ -75,50 +74,15 @@ Results several_images(const Input& input, const Change& change) {
           unknown_allowed(numbers("sigma", values_of(found.decoded.sigma), kLength))};
 }
 
-Rig rig_of_boards() {
-  Rig rig;
-  rig.camera = {.width = 640, .height = 480, .fx = 800, .fy = 803, .cx = 325, .cy = 237};
-  rig.projector = {.width = 512, .height = 384, .fx = 903, .fy = 899, .cx = 252, .cy = 215};
-  rig.T_projector_camera.linear() =
-      Eigen::AngleAxisd(0.2, Eigen::Vector3d(0.6, -0.8, 0)).toRotationMatrix();
-  rig.T_projector_camera.translation() = Eigen::Vector3d(90, 120, -12);
-  return rig;
-}
-
-/// Exact pixels of a board of 9 x 6 corners in tilted poses.
-std::vector<RigView> views_of_board(const Rig& rig, int poses) {
-  constexpr Board kBoard{.columns = 9, .rows = 6, .square = 15};
-  const Eigen::Matrix2Xd board = board_corners(kBoard);
-  std::vector<RigView> views;
-  for (int pose = 0; pose < poses; ++pose) {
-    const double way = 2.4 * pose;
-    const Eigen::AngleAxisd tilt(0.5, Eigen::Vector3d(std::cos(way), std::sin(way), 0));
-    RigView view{.name = std::to_string(pose), .board = board};
-    view.camera = view.projector = board;
-    for (Eigen::Index i = 0; i < board.cols(); ++i) {
-      const Eigen::Vector3d flat(board(0, i) - 60, board(1, i) - 37.5, 0);
-      const Eigen::Vector3d corner =
-          Eigen::Vector3d(5 * pose, -4 * pose, 430 + 25 * pose) + tilt * flat;
-      view.camera.col(i) = geometry::distort(rig.camera, corner.hnormalized());
-      view.projector.col(i) =
-          geometry::distort(rig.projector, (rig.T_projector_camera * corner).hnormalized());
-    }
-    view.lit_camera = view.camera;
-    views.push_back(std::move(view));
-  }
-  return views;
-}
-
 Results calibration(const Input& input, const Change& change) {
   RigCalibrationOptions options;
   change(fields_of(options));
   const Rig rig = rig_of_boards();
-  const RigCalibration found =
-      calibrate_rig(views_of_board(rig, 5 * input.extent), {rig.camera.width, rig.camera.height},
-                    {rig.projector.width, rig.projector.height}, options);
+  const RigCalibration found = calibrate_rig(input.views, {rig.camera.width, rig.camera.height},
+                                             {rig.projector.width, rig.projector.height}, options);
   return {number("fx of the camera", found.rig.camera.fx),
           number("fx of the projector", found.rig.projector.fx),
-          number("baseline", found.rig.T_projector_camera.translation().norm())};
+          number("baseline", found.rig.T_projector_camera.translation().norm(), kLength)};
 }
 
 Results design(const Input& input, const Change& change) {
@@ -148,7 +112,7 @@ std::vector<Operation> sensing_operations() {
   return {
       {"Decoder::decode", kOptions | kFrame, decoding, 0, 0, 3},
       {"MultishotDecoder::decode", kOptions, several_images, 0, 0, 3},
-      {"calibrate_rig", kOptions, calibration},
+      {"calibrate_rig", kOptions | kViews, calibration, 1e-12},
       {"design_pattern", kOptions | kFrame, design},
       {"simulate", kOptions | kFrame, simulation, 1e-6, 0, 3},
   };
