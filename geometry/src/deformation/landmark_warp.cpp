@@ -14,8 +14,8 @@ namespace {
 // pivots below this, relative to the largest. Measured positions are no more exact.
 constexpr double kSpan = 1e-3;
 
-// So many points are warped at once: the kernel of all of them with hundreds of landmarks takes
-// more memory than all else.
+// Points that are warped in one step. With hundreds of landmarks, the kernel of all points at once
+// would take more memory than everything else.
 constexpr Eigen::Index kWarpedAtOnce = 256;
 
 // Distances of points from landmarks, N x L.
