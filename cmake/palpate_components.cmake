@@ -47,6 +47,20 @@ if(PROJECT_IS_TOP_LEVEL AND palpate_has_all)
   set(PALPATE_PACKAGES_OF_MODULES REQUIRED)
 endif()
 
+# palpate_tell_left_out(PACKAGE WHAT): a module that is not built, because its package was not found.
+function(palpate_tell_left_out package what)
+  set_property(GLOBAL APPEND PROPERTY palpate_left_out "${package} was not found: no ${what}")
+endfunction()
+
+function(palpate_print_choice)
+  list(JOIN palpate_libraries ", " libraries)
+  message(STATUS "Palpate builds these libraries: ${libraries}")
+  get_property(left_out GLOBAL PROPERTY palpate_left_out)
+  foreach(line IN LISTS left_out)
+    message(STATUS "  ${line}")
+  endforeach()
+endfunction()
+
 # What only compiling against a library needs belongs to the component of the library, but to one of its own in packages, so that
 # users of the programs do not install it.
 option(PALPATE_PACKAGES "Make Debian packages: `cpack` in the build folder, or ./dev package" OFF)

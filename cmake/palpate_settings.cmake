@@ -37,6 +37,8 @@ if(PROJECT_IS_TOP_LEVEL)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     add_compile_options($<$<CONFIG:Release>:-march=x86-64-v2>)
   endif()
+elseif(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  message(WARNING "Palpate is not optimised, because CMAKE_BUILD_TYPE is not set. Set it to Release or RelWithDebInfo.")
 endif()
 
 # Linked privately by every target of ours; never reaches a user's build.
