@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/sensing/board_views.h"
 #include "palpate/sensing/gray_code.h"
 #include "palpate/sensing/rig_calibration.h"
@@ -254,8 +254,7 @@ Score score(const Rig& truth, const Rig& found, double nearest, double farthest)
     }
   }
   const auto count = static_cast<double>(errors.size());
-  return {geometry::median(std::move(errors)), std::sqrt(squares / count),
-          chi_square(truth, found)};
+  return {median(errors), std::sqrt(squares / count), chi_square(truth, found)};
 }
 
 /// Sums over the seeds of one shape.
@@ -306,7 +305,7 @@ int main(int argc, char** argv) {
   for (const auto& [name, sum] : sums) {
     const auto count = static_cast<double>(sum.errors.size());
     fmt::print("| {} | {} | {:.4f} % | {:.4f} % | {:.2f} | {:.2f} |\n", name, sum.errors.size(),
-               100 * palpate::geometry::median(sum.errors),
+               100 * palpate::median(sum.errors),
                100 * *std::max_element(sum.errors.begin(), sum.errors.end()),
                std::sqrt(sum.squares / count), sum.chi_square / count);
   }

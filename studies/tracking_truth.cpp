@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/surface_query.h"
@@ -269,13 +270,6 @@ class Truth {
   ClosestPoints on_;
   Eigen::VectorXd above_;
 };
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + static_cast<long>(share * static_cast<double>(values.size()));
-  std::ranges::nth_element(values, at);
-  return *at;
-}
 
 void print_row(const Sequence& sequence, const TrackingOptions& options) {
   const Picture first = picture_of(sequence, sequence.rest, 0);

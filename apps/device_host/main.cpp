@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 
-// Loads the driver of a device for a `RemoteArm`, which starts this program. Not for users.
+// Loads the driver of a device for a `RemoteDevice`, which starts this program. Not for users.
 #include <charconv>
 #include <cstdio>
 #include <map>
@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "palpate/probing/device_host.h"
+#include "palpate/devices/device_host.h"
 
 int main(int count, char** words) {
   const std::span<char*> arguments(words, static_cast<std::size_t>(count));
@@ -31,5 +31,5 @@ int main(int count, char** words) {
     const std::size_t equals = text.find('=');
     options[text.substr(0, equals)] = equals == std::string::npos ? "" : text.substr(equals + 1);
   }
-  return palpate::probing::serve_device(socket, arguments[3], options, number);
+  return palpate::devices::serve_device(socket, arguments[3], options, number);
 }

@@ -5,9 +5,9 @@
 // its crash would not be that of this program: feel_by_a_driver MODEL DRIVER HOST. DRIVER is a
 // shared library (docs/devices.md), HOST the program palpate-device-host.
 #include <palpate/core/error.h>
+#include <palpate/devices/remote_device.h>
 #include <palpate/haptics/device_run.h>
 #include <palpate/haptics/model_io.h>
-#include <palpate/probing/remote_arm.h>
 
 #include <cstdio>
 
@@ -16,7 +16,7 @@ namespace haptics = palpate::haptics;
 int main(int count, char** arguments) try {
   if (count != 4) throw palpate::InvalidInput("usage: feel_by_a_driver MODEL DRIVER HOST");
   const haptics::Model model = haptics::read_model(arguments[1]);
-  palpate::probing::RemoteArm device(arguments[2], {.host = arguments[3], .real_time = true});
+  palpate::devices::RemoteDevice device(arguments[2], {.host = arguments[3], .real_time = true});
 
   haptics::DeviceLoopOptions options;  // the device's origin lies in the middle of the surface
   options.T_world_device.translation() = model.contacts[model.contacts.size() / 2].position;

@@ -8,6 +8,7 @@
 
 #include "false_color_image.h"
 #include "input_checks.h"
+#include "palpate/core/quantile.h"
 #include "ticks.h"
 
 namespace palpate::pictures {
@@ -18,13 +19,6 @@ constexpr double kUpperTail = 0.01;
 /// [mm] the scale extends at least to this value, also where all is zero.
 constexpr double kLeastScale = 1e-3;
 
-float quantile(std::vector<float>& values, double fraction) {
-  const auto place = values.begin() +
-                     static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
 }  // namespace
 
 void draw_deviation(const std::filesystem::path& png, const geometry::ImageF& sigma,
@@ -33,10 +27,10 @@ void draw_deviation(const std::filesystem::path& png, const geometry::ImageF& si
   std::vector<float> known;
   std::copy_if(sigma.data(), sigma.data() + sigma.size(), std::back_inserter(known),
                [](float value) { return std::isfinite(value); });
-  const auto median = static_cast<double>(quantile(known, 0.5));
+  const auto middle = static_cast<double>(median(known));
   const auto high = static_cast<double>(quantile(known, 1 - kUpperTail));
   const std::string subtitle =
-      "predicted standard deviation of each depth; median " + format_value(median, 0.0001) + " mm";
+      "predicted standard deviation of each depth; median " + format_value(middle, 0.0001) + " mm";
   FalseColorPicture picture;
   picture.colors = {0, std::max(high, kLeastScale), ColorMap::sequential, "deviation (mm)"};
   picture.title = title;

@@ -16,6 +16,7 @@
 
 #include "canvas.h"
 #include "input_checks.h"
+#include "palpate/core/quantile.h"
 #include "surface_view.h"
 #include "ticks.h"
 
@@ -49,9 +50,7 @@ double typical_distance(const Eigen::Ref<const Eigen::Matrix3Xd>& contacts, doub
     squares(i) = std::numeric_limits<double>::infinity();
     nearest.push_back(std::sqrt(squares.minCoeff()));
   }
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return *middle;
+  return median(nearest);
 }
 
 /// Flat discs that face the viewer, with centres `at` (3 x N) and `radii` (N), all in mm.

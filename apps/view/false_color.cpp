@@ -8,6 +8,7 @@
 
 #include "background.h"
 #include "depth_span.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::view {
 namespace {
@@ -15,13 +16,6 @@ namespace {
 constexpr double kDeviationPart = 0.99;  // of the deviations that the colours span
 constexpr double kMedians = 4;           // of the differences that the colours span
 constexpr double kLeastSpan = 1e-3;      // [mm]
-
-double quantile(std::vector<double> values, double part) {
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, place);
-  return *place;
-}
 
 void put(ColorImage& image, const pictures::Rgb& color) {
   image.bytes.insert(image.bytes.end(), {color[0], color[1], color[2], 255});
@@ -63,13 +57,13 @@ ColorSpan span_of_deviations(std::vector<double> deviations) {
   if (deviations.empty()) return {};
   return {.map = pictures::ColorMap::sequential,
           .low = 0,
-          .high = std::max(kLeastSpan, quantile(std::move(deviations), kDeviationPart))};
+          .high = std::max(kLeastSpan, quantile(deviations, kDeviationPart))};
 }
 
 ColorSpan span_of_differences(std::vector<double> differences) {
   double half = kLeastSpan;
   for (double& difference : differences) difference = std::abs(difference);
-  if (!differences.empty()) half = std::max(half, kMedians * quantile(std::move(differences), 0.5));
+  if (!differences.empty()) half = std::max(half, kMedians * median(differences));
   return {.map = pictures::ColorMap::diverging, .low = -half, .high = half};
 }
 

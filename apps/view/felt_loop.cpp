@@ -71,14 +71,14 @@ MouseDevice::MouseDevice(const ToolMotion& motion, LatestValue<ToolWish>& wishes
   description_.name = "mouse";
 }
 
-bool MouseDevice::read(probing::ArmState& state) noexcept {
+bool MouseDevice::read(devices::DeviceState& state) noexcept {
   if (!clock_.read(state)) return false;
   state.tip = motion_.tick(wishes_->read());
   is_read_ = true;
   return true;
 }
 
-bool MouseDevice::write(const probing::ArmCommand& command) noexcept {
+bool MouseDevice::write(const devices::DeviceCommand& command) noexcept {
   // The last command, which ends the loop, belongs to no tick.
   if (is_read_) {
     FeltTick tick = world_->felt();

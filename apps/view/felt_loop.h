@@ -69,24 +69,24 @@ class FeltWorld final : public haptics::ToolWorld {
 
 /// The mouse as a device without motors. It passes commands, and the ticks of the world, to the
 /// window. On the host's clock.
-class MouseDevice final : public probing::Arm {
+class MouseDevice final : public devices::Device {
  public:
   /// \param wishes from the thread of the window. All three must outlive the device.
   MouseDevice(const ToolMotion& motion, LatestValue<ToolWish>& wishes, const FeltWorld& world,
               TickFeed& feed);
 
-  [[nodiscard]] const probing::ArmDescription& description() const noexcept override {
+  [[nodiscard]] const devices::DeviceDescription& description() const noexcept override {
     return description_;
   }
   [[nodiscard]] double now() const noexcept override { return clock_.now(); }
   void activate() override { clock_.activate(); }
-  [[nodiscard]] bool read(probing::ArmState& state) noexcept override;
-  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override;
+  [[nodiscard]] bool read(devices::DeviceState& state) noexcept override;
+  [[nodiscard]] bool write(const devices::DeviceCommand& command) noexcept override;
   void stop() noexcept override { clock_.stop(); }
 
  private:
   haptics::TrajectoryDevice clock_;  // whose path rests
-  probing::ArmDescription description_;
+  devices::DeviceDescription description_;
   ToolMotion motion_;
   LatestValue<ToolWish>* wishes_;
   const FeltWorld* world_;

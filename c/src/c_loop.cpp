@@ -12,7 +12,7 @@
 namespace palpate::c {
 
 /// A device of callbacks.
-class CalledDevice final : public probing::Arm {
+class CalledDevice final : public devices::Device {
  public:
   explicit CalledDevice(const palpate_device_calls& calls) : calls_(calls) {
     if (calls.read == nullptr || calls.write == nullptr) {
@@ -30,7 +30,7 @@ class CalledDevice final : public probing::Arm {
                     .delay = calls.delay};
   }
 
-  [[nodiscard]] const probing::ArmDescription& description() const noexcept override {
+  [[nodiscard]] const devices::DeviceDescription& description() const noexcept override {
     return description_;
   }
   [[nodiscard]] double now() const noexcept override {
@@ -38,14 +38,14 @@ class CalledDevice final : public probing::Arm {
         .count();
   }
   void activate() override { active_ = true; }
-  [[nodiscard]] bool read(probing::ArmState& state) noexcept override {
-    probing::ArmState measured;
+  [[nodiscard]] bool read(devices::DeviceState& state) noexcept override {
+    devices::DeviceState measured;
     if (calls_.read(calls_.user, measured.tip.data()) != 0) return false;
     measured.time = now();
     state = measured;
     return true;
   }
-  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override {
+  [[nodiscard]] bool write(const devices::DeviceCommand& command) noexcept override {
     return active_ && calls_.write(calls_.user, command.force.data()) == 0;
   }
   void stop() noexcept override { active_ = false; }
@@ -55,7 +55,7 @@ class CalledDevice final : public probing::Arm {
 
  private:
   palpate_device_calls calls_;
-  probing::ArmDescription description_;
+  devices::DeviceDescription description_;
   bool active_ = false;
 };
 

@@ -21,10 +21,10 @@ namespace palpate::python {
 namespace {
 
 namespace fs = std::filesystem;
+using devices::SafetyOptions;
 using haptics::HandOptions;
 using haptics::Playback;
 using haptics::RunReport;
-using haptics::SafetyOptions;
 
 py::dict ticks_of_states(const RunReport& report) {
   py::dict ticks;
@@ -36,7 +36,7 @@ py::dict ticks_of_states(const RunReport& report) {
 py::dict ticks_of_safety(const RunReport& report) {
   py::dict ticks;
   for (std::size_t i = 0; i < report.actions.size(); ++i)
-    ticks[py::str(std::string(haptics::safety_words()[i]))] = report.actions[i];
+    ticks[py::str(std::string(devices::safety_words()[i]))] = report.actions[i];
   return ticks;
 }
 
@@ -58,9 +58,9 @@ void add_report(py::module_& module) {
 }
 
 /// What follows the way of the tool, by its name.
-std::unique_ptr<probing::Arm> device_of(const std::string& name,
-                                        std::vector<haptics::TrajectoryPoint> way,
-                                        const HandOptions& hand) {
+std::unique_ptr<devices::Device> device_of(const std::string& name,
+                                           std::vector<haptics::TrajectoryPoint> way,
+                                           const HandOptions& hand) {
   using haptics::PathShape;
   const auto shape = choose<std::optional<PathShape>>(
       "device", name,
@@ -89,7 +89,7 @@ haptics::CouplingOptions coupling_of(const std::optional<double>& stiffness) {
 }
 
 void add_play(py::module_& module) {
-  SafetyOptions usual;
+  devices::SafetyOptions usual;
   HandOptions usual_hand;
   def_with_fields(
       module, fields_of_both(usual, usual_hand),
@@ -121,7 +121,7 @@ is not heard.)",
         if (way.empty()) throw InvalidInput("tools: must have at least one position");
         const double duration = std::max(way.back().time - way.front().time, hand.period());
         const Unlocked unlocked;
-        const std::unique_ptr<probing::Arm> opened = device_of(device, std::move(way), hand);
+        const std::unique_ptr<devices::Device> opened = device_of(device, std::move(way), hand);
         haptics::DeviceRun run(
             *opened, playback, loop,
             {.duration = duration, .real_time = false, .record = record.value_or(fs::path())});

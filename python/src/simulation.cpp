@@ -25,7 +25,7 @@ namespace palpate::python {
 namespace {
 
 namespace fs = std::filesystem;
-using probing::ArmState;
+using devices::DeviceState;
 using probing::ContactPlan;
 using probing::KnownForces;
 using probing::PlanOptions;
@@ -298,23 +298,27 @@ Raises InvalidInput or OutputError.)",
 }
 
 void add_virtual_arm(py::module_& module) {
-  py::class_<ArmState>(module, "ArmState", R"(An arm at one moment, in the frame of its base.
+  py::class_<devices::DeviceState>(module, "DeviceState",
+                                   R"(An arm at one moment, in the frame of its base.
 
 What the arm does not measure is NaN.)")
-      .def_readonly("time", &ArmState::time, "[s] on the arm's clock.")
+      .def_readonly("time", &devices::DeviceState::time, "[s] on the arm's clock.")
       .def_property_readonly(
-          "tip", [](const ArmState& state) { return copy_of(state.tip); },
+          "tip", [](const devices::DeviceState& state) { return copy_of(state.tip); },
           "[mm] (3,) by the encoders, without flexure.")
       .def_property_readonly(
-          "joints", [](const ArmState& state) { return copy_of(state.joints); }, "[rad] (3,)")
+          "joints", [](const devices::DeviceState& state) { return copy_of(state.joints); },
+          "[rad] (3,)")
       .def_property_readonly(
-          "delivered_force", [](const ArmState& state) { return copy_of(state.delivered_force); },
+          "delivered_force",
+          [](const devices::DeviceState& state) { return copy_of(state.delivered_force); },
           "[N] (3,) of the motors at the tip.")
       .def_property_readonly(
-          "reference_force", [](const ArmState& state) { return copy_of(state.reference_force); },
+          "reference_force",
+          [](const devices::DeviceState& state) { return copy_of(state.reference_force); },
           "[N] (3,) on the object, by a sensor of its own.")
       .def_property_readonly(
-          "heat", [](const ArmState& state) { return copy_of(state.heat); },
+          "heat", [](const devices::DeviceState& state) { return copy_of(state.heat); },
           "(3,) of each motor, relative to that at which it must rest.");
   py::class_<VirtualArm>(
       module, "VirtualArm",
@@ -337,7 +341,7 @@ Equal seeds and commands give equal states, bit by bit.)")
       .def(
           "read",
           [](VirtualArm& arm) {
-            ArmState state;
+            devices::DeviceState state;
             if (!arm.read(state)) throw SolverError("VirtualArm.read(): " + arm.last_error());
             return state;
           },
@@ -345,7 +349,7 @@ Equal seeds and commands give equal states, bit by bit.)")
       .def(
           "write",
           [](VirtualArm& arm, const py::object& force) {
-            probing::ArmCommand command;
+            devices::DeviceCommand command;
             command.force = vector3(force, "force");
             if (!command.force.allFinite()) throw InvalidInput("force: is not finite");
             if (!arm.write(command)) throw Error("VirtualArm.write(): " + arm.last_error());

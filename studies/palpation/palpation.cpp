@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "blocks.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/probing/stiffness_map.h"
 #include "strategies.h"
 
@@ -106,7 +106,7 @@ std::string contour_error(const Scores& scores, int presses) {
     overlaps.push_back(each.overlap);
     distances.push_back(each.hausdorff);
   }
-  return fmt::format("{:.2f}, {:.1f}", geometry::median(overlaps), geometry::median(distances));
+  return fmt::format("{:.2f}, {:.1f}", median(overlaps), median(distances));
 }
 
 void run() {

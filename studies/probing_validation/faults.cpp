@@ -19,7 +19,7 @@ void validate_faults(unsigned seeds) {
     for (unsigned seed = 1; seed <= seeds; ++seed) {
       const FaultOutcome outcome = probing::support::outcome_of_fault(fault, seed);
       ticks = std::max(ticks, outcome.ticks);
-      named += outcome.found == name && outcome.before == probing::ArmFault::none ? 1 : 0;
+      named += outcome.found == name && outcome.before == devices::DeviceFault::none ? 1 : 0;
       safe += outcome.is_safe ? 1 : 0;
       stays += outcome.stays ? 1 : 0;
       resumed += outcome.resumed ? 1 : 0;

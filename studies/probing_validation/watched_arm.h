@@ -13,23 +13,25 @@
 namespace palpate::bench {
 
 /// A virtual arm of which is kept what its simulation knows; the program sees none of it.
-class WatchedArm final : public probing::Arm {
+class WatchedArm final : public devices::Device {
  public:
   /// \param window number of states that `mean_force` is over.
   WatchedArm(probing::VirtualArm& arm, std::size_t window) : arm_(arm), forces_(window) {}
 
-  const probing::ArmDescription& description() const noexcept override {
+  const devices::DeviceDescription& description() const noexcept override {
     return arm_.description();
   }
   double now() const noexcept override { return arm_.now(); }
   void activate() override { arm_.activate(); }
   void begin_trial(long long trial) noexcept override { arm_.begin_trial(trial); }
-  bool read(probing::ArmState& state) noexcept override {
+  bool read(devices::DeviceState& state) noexcept override {
     const bool good = arm_.read(state);
     forces_[next_++ % forces_.size()] = arm_.truth().force;
     return good;
   }
-  bool write(const probing::ArmCommand& command) noexcept override { return arm_.write(command); }
+  bool write(const devices::DeviceCommand& command) noexcept override {
+    return arm_.write(command);
+  }
   void stop() noexcept override { arm_.stop(); }
 
   /// [N] on the object, in the frame of the base.

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/range_map_score.h"
 #include "surface_detail.h"
 
@@ -87,12 +88,6 @@ double percent(long part, long whole) {
                    : std::numeric_limits<double>::quiet_NaN();
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int repeats) {
@@ -121,7 +116,7 @@ Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int r
           .score = geometry::error_statistics(std::move(counts.scores)).rms,
           .ripple = counts.detail.ripple(),
           .normals = counts.detail.normals(),
-          .ms = median(std::move(times))};
+          .ms = median(times)};
 }
 
 }  // namespace palpate::bench

@@ -10,6 +10,7 @@
 #include "operations.h"
 #include "palpate.h"
 #include "palpate/core/error.h"
+#include "palpate/devices/safety_filter.h"
 #include "palpate/geometry/surface_map.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/build_model.h"
@@ -24,7 +25,6 @@
 #include "palpate/haptics/passivity_certificate.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
-#include "palpate/haptics/safety_filter.h"
 #include "palpate/haptics/scale_model.h"
 #include "palpate/haptics/transfer_model.h"
 
@@ -318,14 +318,16 @@ Results drawing(const Input& input, const Change&) {
 }
 
 Results safety(const Input& input, const Change& change) {
-  SafetyOptions options{.max_force = 3 * input.force, .slew = 1000 * input.force, .ramp = 0.05};
+  devices::SafetyOptions options{
+      .max_force = 3 * input.force, .slew = 1000 * input.force, .ramp = 0.05};
   change(fields_of(options));
-  SafetyFilter filter(options);
+  devices::SafetyFilter filter(options);
   const int ticks = 200 * input.extent * input.extent;
   Eigen::Matrix3Xd forces(3, ticks);
   for (int tick = 0; tick < ticks; ++tick) {
     const double now = 1e-3 * tick, size = 5 * input.force * std::sin(0.05 * tick);
-    const SafetyInput wanted{.now = now, .state_time = now, .force = size * Vector3d(0.6, 0, 0.8)};
+    const devices::SafetyInput wanted{
+        .now = now, .state_time = now, .force = size * Vector3d(0.6, 0, 0.8)};
     forces.col(tick) = filter.filter(wanted).force;
   }
   return {numbers("forces", forces.reshaped(), kForce)};

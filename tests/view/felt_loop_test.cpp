@@ -60,7 +60,7 @@ TEST(FeltAlong, SaysWhatTheSafetyLayerLetsThrough) {
   const auto playback = playback_of_sheet();
   const haptics::TimedPath deep({{0, {0, 0, 695}}, {1, {0, 0, 740}}});
   const std::vector<FeltTick> ticks = felt_along(playback, deep);
-  const double limit = haptics::SafetyOptions{}.max_force;
+  const double limit = devices::SafetyOptions{}.max_force;
   EXPECT_GT(ticks.back().force.norm(), limit);
   EXPECT_NEAR(ticks.back().commanded.norm(), limit, 1e-12);
 }

@@ -12,11 +12,11 @@
 #include "palpate/core/error.h"
 #include "palpate/core/field_text.h"
 #include "palpate/core/input_file.h"
+#include "palpate/devices/plugin_device.h"
+#include "palpate/devices/remote_device.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/trajectory_device.h"
 #include "palpate/haptics/trajectory_file.h"
-#include "palpate/probing/plugin_arm.h"
-#include "palpate/probing/remote_arm.h"
 #include "shared/field_options.h"
 
 namespace palpate::apps {
@@ -122,10 +122,10 @@ OpenedDevice open_driver(const DeviceCall& call) {
   const fs::path library = fs::absolute(call.device);
   const std::map<std::string, std::string> settings = device_settings(call);
   if (call.in_process) {
-    return {std::make_unique<probing::PluginArm>(library, settings, call.number)};
+    return {std::make_unique<devices::PluginDevice>(library, settings, call.number)};
   }
-  return {std::make_unique<probing::RemoteArm>(
-      library, probing::RemoteArmOptions{
+  return {std::make_unique<devices::RemoteDevice>(
+      library, devices::RemoteDeviceOptions{
                    .driver = settings, .number = call.number, .real_time = call.real_time})};
 }
 

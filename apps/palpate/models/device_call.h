@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "palpate/devices/device.h"
 #include "palpate/haptics/device_loop.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/simulated_hand.h"
 #include "palpate/haptics/virtual_coupling.h"
-#include "palpate/probing/arm.h"
 #include "shared/aliases.h"
 
 namespace palpate::apps {
@@ -32,7 +32,7 @@ struct DeviceCall {
   haptics::PlaybackOptions playback;
   std::vector<unsigned> clutch_buttons;  ///< numbers from 0
   std::string coupling = "auto";         ///< auto, off, or a stiffness [N/mm]
-  haptics::SafetyOptions safety;
+  devices::SafetyOptions safety;
 };
 
 // The simulated devices.
@@ -57,7 +57,7 @@ void check_driver(const std::string& device);
 [[nodiscard]] haptics::CouplingOptions coupling_of(const std::string& word);
 
 struct OpenedDevice {
-  std::unique_ptr<probing::Arm> arm;
+  std::unique_ptr<devices::Device> arm;
   double duration = 0;  ///< [s] of its path; 0: without end
 };
 

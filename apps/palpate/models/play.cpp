@@ -117,7 +117,7 @@ void refuse_idle_options(const CLI::App& play, PlayWay way) {
     throw InvalidInput(name + ": does nothing " + words_of_way(way) + "; it needs " + needs);
   };
   for (const PlayOption& option : kPlayOptions) refuse_idle(option.name, option.ways, option.needs);
-  haptics::SafetyOptions safety;
+  devices::SafetyOptions safety;
   for (const FieldText& field : texts_of(fields_of(safety))) {
     const bool has_stability = field.name == "max_force";  // the stiffness is that up to this force
     refuse_idle(option_name(field.name), kAnyDevice | (has_stability ? kAnyStability : 0U),

@@ -116,7 +116,7 @@ haptics::DeviceLoopOptions loop_options(const DeviceCall& call) {
 Json figures_of(const DeviceCall& call, const haptics::RunReport& report) {
   Json safety;
   for (std::size_t i = 0; i < report.actions.size(); ++i) {
-    std::string key(haptics::safety_words()[i]);
+    std::string key(devices::safety_words()[i]);
     std::ranges::replace(key, ' ', '_');
     safety[key] = report.actions[i];
   }
@@ -162,7 +162,7 @@ std::string prose_of(const DeviceCall& call, const haptics::RunReport& report, d
   std::string safety;
   for (std::size_t i = 0; i < report.actions.size(); ++i) {
     if (report.actions[i] == 0) continue;
-    safety += fmt::format("{}{} {}", safety.empty() ? "" : ", ", haptics::safety_words()[i],
+    safety += fmt::format("{}{} {}", safety.empty() ? "" : ", ", devices::safety_words()[i],
                           report.actions[i]);
   }
   return fmt::format(
@@ -183,7 +183,7 @@ std::string prose_of(const DeviceCall& call, const haptics::RunReport& report, d
 }
 
 void warn_of_run(const DeviceCall& call, const haptics::RunReport& report,
-                 const probing::ArmDescription& device) {
+                 const devices::DeviceDescription& device) {
   if (!report.not_real_time.empty()) {
     spdlog::warn(
         "no real-time scheduling (SCHED_FIFO): {}; the loop runs with ordinary priority and may be "
@@ -202,7 +202,7 @@ void warn_of_run(const DeviceCall& call, const haptics::RunReport& report,
 /// The functions that begin the loop and, after it, write its trace.
 struct PlayedLoop {
   std::string session;  ///< text that a replay needs
-  std::function<std::unique_ptr<haptics::DeviceRun>(probing::Arm&, const haptics::RunOptions&)>
+  std::function<std::unique_ptr<haptics::DeviceRun>(devices::Device&, const haptics::RunOptions&)>
       begin;
   std::function<void(const haptics::LoopRecord&, const Json& figures)> write_trace;
   double on_path = 0;  ///< as `displacement_on_path`
@@ -272,7 +272,7 @@ void play_device(const Settings& settings, const DeviceCall& call) {
   run_loop(settings, call, options,
            {.session = session_of(call),
             .begin =
-                [&](probing::Arm& arm, const haptics::RunOptions& run) {
+                [&](devices::Device& arm, const haptics::RunOptions& run) {
                   return std::make_unique<haptics::DeviceRun>(arm, playback, options, run);
                 },
             .write_trace =
@@ -310,7 +310,7 @@ void play_scene_device(const Settings& settings, DeviceCall call) {
   run_loop(settings, call, options,
            {.session = session_of(scene),
             .begin =
-                [&](probing::Arm& arm, const haptics::RunOptions& run) {
+                [&](devices::Device& arm, const haptics::RunOptions& run) {
                   const std::shared_ptr<haptics::SceneWorld> world =
                       world_of(scene, arm.description().period);
                   tell_unknown_friction(scene.file, world->scene());

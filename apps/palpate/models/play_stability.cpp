@@ -23,7 +23,7 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
   bool declared = true;  // the resolution
   if (is_driver(call.device)) {
     const OpenedDevice device = open_driver(call);
-    const probing::ArmDescription& description = device.arm->description();
+    const devices::DeviceDescription& description = device.arm->description();
     hand.rate = 1 / description.period;
     hand.damping = description.damping;
     hand.friction = description.friction;

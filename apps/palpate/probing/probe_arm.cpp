@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/devices/device_record.h"
+#include "palpate/devices/plugin_device.h"
 #include "palpate/geometry/surface_query.h"
-#include "palpate/probing/arm_record.h"
 #include "palpate/probing/arm_setup.h"
-#include "palpate/probing/plugin_arm.h"
 #include "palpate/probing/quasi_static_arm.h"
 #include "palpate/probing/specimen_file.h"
 #include "palpate/probing/virtual_arm.h"
@@ -111,17 +111,17 @@ void recall(const std::string& memory, const std::string& source, Take take) {
 class MovingCampaignArm final : public CampaignArm {
  public:
   MovingCampaignArm(std::shared_ptr<const probing::Specimen> specimen,
-                    std::unique_ptr<probing::Arm> arm, const probing::ArmSetup& setup,
+                    std::unique_ptr<devices::Device> arm, const probing::ArmSetup& setup,
                     const std::string& description, const ArmWatch& watch)
       : specimen_(std::move(specimen)),
         arm_(std::move(arm)),
         simulated_(dynamic_cast<probing::VirtualArm*>(arm_.get())),
-        is_replay_(dynamic_cast<probing::ReplayArm*>(arm_.get()) != nullptr),
+        is_replay_(dynamic_cast<devices::ReplayDevice*>(arm_.get()) != nullptr),
         options_(setup.prober),
         links_(setup.links),
         stop_(watch.stop_file.empty() ? std::nullopt : std::optional(watch.stop_file)),
         at_interrupt_([this] { stop_.press(); }) {
-    probing::Arm* used = arm_.get();
+    devices::Device* used = arm_.get();
     if (!watch.record.empty()) {
       recorder_.emplace(*arm_, watch.record, description);
       used = &*recorder_;
@@ -132,7 +132,7 @@ class MovingCampaignArm final : public CampaignArm {
   /// Goes on after the trials that left `memory`, unless gravity was measured again.
   void remember(const Json& memory) {
     if (!remembers()) return;
-    probing::Arm* used = recorder_ ? static_cast<probing::Arm*>(&*recorder_) : arm_.get();
+    devices::Device* used = recorder_ ? static_cast<devices::Device*>(&*recorder_) : arm_.get();
     if (simulated_ != nullptr) simulated_->restore(simulation_of(memory.at("simulation")));
     prober_.emplace(*used, options_, &stop_, gravity_of(memory.at("gravity")));
   }
@@ -184,13 +184,13 @@ class MovingCampaignArm final : public CampaignArm {
   bool remembers() const { return simulated_ != nullptr || (is_replay_ && specimen_); }
 
   std::shared_ptr<const probing::Specimen> specimen_;
-  std::unique_ptr<probing::Arm> arm_;
+  std::unique_ptr<devices::Device> arm_;
   probing::VirtualArm* simulated_;  // `arm_` if it is one
   bool is_replay_;
   probing::ArmProberOptions options_;
   probing::LinkClearance links_;
-  std::optional<probing::RecordingArm> recorder_;
-  probing::EmergencyStop stop_;
+  std::optional<devices::RecordingDevice> recorder_;
+  devices::EmergencyStop stop_;
   AtInterrupt at_interrupt_;
   std::optional<probing::ArmProber> prober_;
 };
@@ -245,7 +245,7 @@ std::unique_ptr<MovingCampaignArm> make_moving_arm(const Json& json, const std::
                                                    const ArmWatch& watch) {
   const auto kind = json["arm"].get<std::string>();
   if (kind == kReplay) {
-    auto record = std::make_unique<probing::ReplayArm>(json["record"].get<std::string>());
+    auto record = std::make_unique<devices::ReplayDevice>(json["record"].get<std::string>());
     const Json session = checked_description(record->session(), source);
     std::shared_ptr<const probing::Specimen> specimen;
     if (session["arm"] == kVirtual) specimen = specimen_of(session, source, plan);
@@ -257,7 +257,7 @@ std::unique_ptr<MovingCampaignArm> make_moving_arm(const Json& json, const std::
     const probing::ArmSetup setup = setup_of(json, source, nullptr);
     return std::make_unique<MovingCampaignArm>(
         nullptr,
-        std::make_unique<probing::PluginArm>(json["driver"].get<std::string>(), setup.driver),
+        std::make_unique<devices::PluginDevice>(json["driver"].get<std::string>(), setup.driver),
         setup, json.dump(), watch);
   }
   const std::shared_ptr<const probing::Specimen> specimen = specimen_of(json, source, plan);

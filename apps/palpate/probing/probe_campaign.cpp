@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/campaign_options_text.h"
@@ -144,12 +145,8 @@ Json campaign_figures(const probing::Campaign& campaign, const probing::Campaign
   std::vector<double> errors;
   for (const probing::ConeEstimate& cone : campaign.cones())
     errors.push_back(cone.coefficient_error);
-  std::optional<double> median;
-  if (!errors.empty()) {
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    median = *middle;
-  }
+  std::optional<double> typical_error;
+  if (!errors.empty()) typical_error = median(errors);
   const bool complete = !campaign.next();
   Json figures{{"contacts", at.contacts},
                {"contacts_done", at.contacts_done},
@@ -160,7 +157,7 @@ Json campaign_figures(const probing::Campaign& campaign, const probing::Campaign
                {"hours", at.seconds / kSecondsPerHour},
                {"trials_left", std::llround(at.trials_left)},
                {"hours_left", at.seconds_left / kSecondsPerHour},
-               {"friction_error", number_or_null(median)},
+               {"friction_error", number_or_null(typical_error)},
                {"energy_lost", rates.energy_lost},
                {"energy_loops", rates.loops},
                {"creep", rates.creep},

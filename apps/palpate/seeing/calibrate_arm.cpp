@@ -13,8 +13,8 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/cloud_normals.h"
-#include "palpate/geometry/median.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/probing/arm_setup.h"
@@ -197,7 +197,7 @@ void tell_small_ball(const std::vector<probing::HeldBall>& balls, Json& warnings
   for (const probing::HeldBall& ball : balls)
     if (ball.seen) points.push_back(ball.seen->points);
   if (points.empty()) return;
-  const int median = geometry::median(std::move(points));
+  const int median = palpate::median(points);
   if (median >= kLargeBall) return;
   warn(
       warnings, "small_ball",

@@ -13,7 +13,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/probing/csv.h"
 #include "seeing/decode_outputs.h"
 #include "shards/shard_journal.h"
@@ -208,7 +208,7 @@ void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
   frame.pixels = static_cast<long>(depths.size());
   frame.median_depth = std::numeric_limits<double>::quiet_NaN();
   if (depths.empty()) return;
-  frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
+  frame.median_depth = static_cast<double>(median(depths));
 }
 
 DecodeRecord::DecodeRecord(fs::path folder, Json settings, const std::vector<fs::path>& inputs)

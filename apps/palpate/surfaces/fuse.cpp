@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_topology.h"
@@ -212,8 +212,7 @@ void fuse(const Settings& settings, const FuseCall& call) {
                   {"conflicts", conflicts}};
   std::string prose;
   if (merged.sigma.size() > 0) {
-    const double sigma =
-        geometry::median(std::vector<double>(merged.sigma.begin(), merged.sigma.end()));
+    const double sigma = median(merged.sigma);
     figures["median_sigma"] = sigma;
     prose = fmt::format(
         "the noise of the scans leaves a standard deviation of {:.4f} mm (median)\n", sigma);

@@ -12,8 +12,8 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/attribute_transfer.h"
-#include "palpate/geometry/median.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/self_intersections.h"
@@ -114,7 +114,7 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     std::vector<double> deviations;
     for (const float z : map.z.reshaped())
       if (z > 0) deviations.push_back(steps.noise->deviation(z));
-    const double noise = geometry::median(std::move(deviations));
+    const double noise = median(deviations);
     made.figures["depth_noise"] = noise;
     made.prose += fmt::format("standard deviation of the depths {:.3g} mm (median)\n", noise);
   }

@@ -16,6 +16,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/surface_strain.h"
@@ -50,14 +51,12 @@ struct FrameFigures {
 };
 
 // Quantile of the known values.
-double quantile(const Eigen::VectorXd& values, double share) {
+double known_quantile(const Eigen::VectorXd& values, double share) {
   std::vector<double> known;
   for (const double value : values)
     if (std::isfinite(value)) known.push_back(value);
   if (known.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto at = known.begin() + std::lround(share * static_cast<double>(known.size() - 1));
-  std::ranges::nth_element(known, at);
-  return *at;
+  return quantile(known, share);
 }
 
 void add(geometry::Attributes& attributes, const std::string& name, const auto& values) {
@@ -108,8 +107,8 @@ FrameFigures describe(const MotionCall& call, const geometry::TriangleMesh& refe
   return {
       .displacement = std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size())),
       .displacement_max = distances.maxCoeff(),
-      .stretch_max = quantile(strain.largest, kMostVertices),
-      .stretch_min = quantile(strain.smallest, 1 - kMostVertices),
+      .stretch_max = known_quantile(strain.largest, kMostVertices),
+      .stretch_min = known_quantile(strain.smallest, 1 - kMostVertices),
       .area = geometry::surface_area(frame.mesh) / geometry::surface_area(reference)};
 }
 

@@ -10,7 +10,7 @@ namespace palpate::geometry {
 namespace {
 
 /// Quantile of sorted values, interpolated linearly.
-double quantile(const std::vector<double>& sorted, double fraction) {
+double interpolated_quantile(const std::vector<double>& sorted, double fraction) {
   const double place = fraction * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
@@ -33,9 +33,9 @@ ErrorStatistics error_statistics(std::vector<double> errors) {
   for (const double e : errors) sum_of_squares += e * e;
   return {.count = static_cast<long>(errors.size()),
           .rms = std::sqrt(sum_of_squares / static_cast<double>(errors.size())),
-          .median = quantile(errors, 0.5),
-          .p90 = quantile(errors, 0.9),
-          .p95 = quantile(errors, 0.95),
+          .median = interpolated_quantile(errors, 0.5),
+          .p90 = interpolated_quantile(errors, 0.9),
+          .p95 = interpolated_quantile(errors, 0.95),
           .max = errors.back()};
 }
 

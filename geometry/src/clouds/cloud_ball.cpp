@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 #include "palpate/geometry/robust_weights.h"
 
 namespace palpate::geometry {
@@ -160,7 +160,7 @@ double deviation_of(const std::vector<OnSphere>& points, double radius) {
   std::vector<double> distances;
   distances.reserve(points.size());
   for (const OnSphere& point : points) distances.push_back(std::abs(point.distance));
-  return std::max(deviation_of_median(median(std::move(distances))), kBallRounding * radius);
+  return std::max(deviation_of_median(median(distances)), kBallRounding * radius);
 }
 
 /// Weighted normal equations of centre and radius.

@@ -14,7 +14,7 @@
 #include "deformation/measured_surface.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/robust_weights.h"
 
 namespace palpate::geometry {
@@ -131,9 +131,7 @@ std::vector<Light> lights(const DeformationGraph& graph, std::span<const Intensi
 }
 
 /// Standard deviation, by the median of the sizes.
-double robust_deviation(std::vector<double> sizes) {
-  return deviation_of_median(median(std::move(sizes)));
-}
+double robust_deviation(std::vector<double> sizes) { return deviation_of_median(median(sizes)); }
 
 }  // namespace
 
@@ -205,7 +203,7 @@ std::vector<PlanePair> intensity_pairs(const DeformationGraph& graph, const Blur
   if (widths.empty()) return pairs;
   const double of_intensity = robust_deviation(std::move(differences)),
                of_distance = std::max(robust_deviation(std::move(distances)),
-                                      kLeastDepthNoise * median(std::move(widths)));
+                                      kLeastDepthNoise * median(widths));
   for (PlanePair& pair : pairs) {
     if (!(of_intensity > 0)) pair.weight = 0;
     if (!(pair.weight > 0)) continue;

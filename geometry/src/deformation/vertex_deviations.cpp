@@ -14,6 +14,7 @@
 #include "base/disjoint_sets.h"
 #include "base/numbers.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/robust_weights.h"
 
 namespace palpate::geometry {
@@ -146,7 +147,7 @@ double noise_of(std::span<const PlanePair> pairs) {
   std::vector<double> distances;
   for (const PlanePair& pair : pairs)
     if (pair.weight > 0) distances.push_back(std::abs(pair.distance));
-  return distances.empty() ? 0 : deviation_of_median(rank_quantile(distances, 0.5));
+  return distances.empty() ? 0 : deviation_of_median(quantile(distances, 0.5));
 }
 
 /// Deviations of the distances of pairs.

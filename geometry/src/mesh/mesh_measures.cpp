@@ -14,6 +14,7 @@
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
@@ -82,12 +83,12 @@ MeshShape mesh_shape(const TriangleMesh& mesh) {
   }
   constexpr double kHalf = 0.5;
   shape.shortest_edge = *std::min_element(lengths.begin(), lengths.end());
-  shape.median_edge = rank_quantile(lengths, kHalf);
+  shape.median_edge = quantile(lengths, kHalf);
   shape.mean_edge =
       std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   shape.longest_edge = *std::max_element(lengths.begin(), lengths.end());
   shape.smallest_angle = *std::min_element(smallest.begin(), smallest.end());
-  shape.median_smallest_angle = rank_quantile(smallest, kHalf);
+  shape.median_smallest_angle = quantile(smallest, kHalf);
   return shape;
 }
 

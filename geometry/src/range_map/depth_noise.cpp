@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::geometry {
 namespace {
@@ -58,7 +58,7 @@ std::vector<Pixel> known_pixels(std::span<const ImageF> still) {
 Pixel typical(std::span<const Pixel> range, double least_variance) {
   std::vector<double> variances;
   for (const Pixel& pixel : range) variances.push_back(pixel.variance);
-  const double most = kOutlier * std::max(median(std::move(variances)), least_variance);
+  const double most = kOutlier * std::max(median(variances), least_variance);
   Pixel sum;
   double count = 0;
   for (const Pixel& pixel : range) {

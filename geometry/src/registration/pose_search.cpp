@@ -10,6 +10,7 @@
 
 #include "base/numbers.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/robust_weights.h"
 
 namespace palpate::geometry {
@@ -80,7 +81,7 @@ void descend(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& poi
   pairing.resize(points.cols());
   Eigen::Matrix3Xd moved = candidate.motion * points;
   target.pair_coarsely(moved, pairing);
-  candidate.score = rank_quantile(pairing.distances, fraction);
+  candidate.score = quantile(pairing.distances, fraction);
   for (int step = 0; step < steps; ++step) {
     const double deviation =
         std::max(deviation_of_median(candidate.score), target.grid().cell_size() / 2);
@@ -91,7 +92,7 @@ void descend(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& poi
     candidate.motion = to_motion(x, problem) * candidate.motion;
     moved = candidate.motion * points;
     target.pair_coarsely(moved, pairing);
-    candidate.score = rank_quantile(pairing.distances, fraction);
+    candidate.score = quantile(pairing.distances, fraction);
     if (x.norm() < target.grid().cell_size() / 100) return;
   }
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/numbers.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/robust_weights.h"
 #include "registration/pose_search.h"
 
@@ -176,12 +177,12 @@ std::string describe_motion(const Eigen::Vector3d& rotation, const Eigen::Vector
 
 double inlier_deviation(const RegistrationTarget::Impl& target, const Eigen::VectorXd& distances,
                         double fraction) {
-  return std::max(deviation_of_median(rank_quantile(distances, fraction)),
+  return std::max(deviation_of_median(quantile(distances, fraction)),
                   kLeastLength * target.diagonal);
 }
 
 double median_distance(const Eigen::VectorXd& distances, double min_overlap) {
-  return rank_quantile(distances, std::min(0.5, min_overlap));
+  return quantile(distances, std::min(0.5, min_overlap));
 }
 
 void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,

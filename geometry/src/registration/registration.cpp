@@ -14,6 +14,7 @@
 #include "base/numbers.h"
 #include "base/rigid_motion.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/core/work_steps.h"
 #include "palpate/geometry/robust_weights.h"
@@ -133,7 +134,7 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
     x *= problem.weight / std::max(problem.curvature, kLeastCurvature * problem.weight);
     if (!x.allFinite()) break;
     const double mean_error =
-        rank_quantile(pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
+        quantile(pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
     const double least_step = std::max(kConverged, kOfMeanError * mean_error);
     const double loss = mean_loss(pairing.distances, pose.deviation);
     Eigen::Isometry3d motion;
@@ -211,7 +212,7 @@ Rivals refine_rivals(const RegistrationTarget::Impl& target, const Eigen::Matrix
     const SettledPose pose =
         settle(target, some, {candidate.motion}, fraction, kCandidateSteps, steps);
     const Eigen::VectorXd& distances = pose.pairing.distances;
-    rivals.poses.push_back({pose.motion, rank_quantile(distances, fraction)});
+    rivals.poses.push_back({pose.motion, quantile(distances, fraction)});
     rivals.medians.push_back(median_distance(distances, fraction));
   }
   return rivals;

@@ -7,6 +7,7 @@
 #include "base/numbers.h"
 #include "base/rigid_motion.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
@@ -53,7 +54,7 @@ double median_edge_length(const std::vector<TriangleMesh>& meshes, const std::st
       }
     }
   }
-  const double median = rank_quantile(lengths, 0.5);
+  const double median = quantile(lengths, 0.5);
   if (!(median > 0)) {
     throw InvalidInput(caller + ": the median edge of the scans has no length");
   }

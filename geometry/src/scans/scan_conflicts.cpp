@@ -11,6 +11,7 @@
 
 #include "base/numbers.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::geometry {
 namespace {
@@ -129,7 +130,7 @@ void ConflictSearch::add(int other, const DistanceVolume& surface) {
     conflicts[scan] = {.scan = static_cast<int>(scan),
                        .other = other,
                        .share = share,
-                       .depth = rank_quantile(depths, 0.5)};
+                       .depth = quantile(depths, 0.5)};
   });
   for (const std::optional<ScanConflict>& conflict : conflicts) {
     if (conflict) found_.push_back(*conflict);

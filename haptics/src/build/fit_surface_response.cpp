@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/deformation_graph.h"
 #include "palpate/geometry/geodesic_distance.h"
-#include "palpate/geometry/median.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/deformed_shape.h"
 #include "samples/nearest_contacts.h"
@@ -115,8 +115,7 @@ double contact_spacing(const Model& model) {
     if (near.size() > 1)
       nearest.push_back((contacts[near[1]].position - contacts[near[0]].position).norm());
   }
-  return nearest.empty() ? geometry::bounding_diagonal(model.surface)
-                         : geometry::median(std::move(nearest));
+  return nearest.empty() ? geometry::bounding_diagonal(model.surface) : median(nearest);
 }
 
 // Adds the vertices of a shape to the equations of its contact's dent.

@@ -19,10 +19,10 @@
 #include "build/contact_edges.h"
 #include "build/interpolated_as.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/hole_filling.h"
-#include "palpate/geometry/median.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
@@ -148,7 +148,7 @@ double neighbour_distance(std::span<const SideModel> sides) {
     const std::vector<double> of_side = contact_edge_lengths(side.model);
     lengths.insert(lengths.end(), of_side.begin(), of_side.end());
   }
-  return lengths.empty() ? 0 : geometry::median(std::move(lengths));
+  return lengths.empty() ? 0 : median(lengths);
 }
 
 /// Contacts sorted by x, to find those near a place.

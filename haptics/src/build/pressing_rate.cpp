@@ -12,7 +12,7 @@
 #include "fit/pressing_field.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
@@ -54,7 +54,7 @@ PressedPath pressed_path(long long contact, std::span<const probing::Sample> sam
         "samples of contact " + std::to_string(contact) +
         " have the same time, so that their rate is not known; give each its time");
   }
-  const double longest = steps.empty() ? 0 : kLongGap * geometry::median(steps);
+  const double longest = steps.empty() ? 0 : kLongGap * median(steps);
   bool outside = true;  // before
   for (std::size_t k = 0; k < result.order.size(); ++k) {
     const auto displacement = displacements.col(result.order[k]);

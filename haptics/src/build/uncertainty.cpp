@@ -11,7 +11,7 @@
 #include "build/left_out_blend.h"
 #include "model/force_variance.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/rounding.h"
 
@@ -153,7 +153,7 @@ Model with_uncertainty(Model model, std::span<const ForceSamples> samples,
     for (ContactModel& contact : model.contacts) contact.uncertainty.reset();
     return model;
   }
-  const double unit = 1 / std::sqrt(geometry::error_growth(geometry::median(std::move(reaches))));
+  const double unit = 1 / std::sqrt(geometry::error_growth(median(reaches)));
   BetweenSearch search{.tried = Losses::Zero(),
                        .losses = std::vector<Losses>(errors.size(), Losses::Zero()),
                        .all = Losses::Zero(),

@@ -17,7 +17,7 @@ constexpr double kLeastDepth = 1e-6;
 
 }  // namespace
 
-DeviceLoop::DeviceLoop(const probing::ArmDescription& device, const DeviceLoopOptions& options)
+DeviceLoop::DeviceLoop(const devices::DeviceDescription& device, const DeviceLoopOptions& options)
     : options_(options),
       rotation_(options.T_world_device.linear()),
       scale_(options.scale.value_or(device.workspace_scale)),
@@ -41,7 +41,7 @@ DeviceLoop::DeviceLoop(const probing::ArmDescription& device, const DeviceLoopOp
   if (device.highest_torque > 0) {
     options_.safety.max_torque = std::min(options.safety.max_torque, device.highest_torque);
   }
-  safety_ = SafetyFilter(options_.safety);
+  safety_ = devices::SafetyFilter(options_.safety);
   // The force is not scaled: k of the object is k scale at the device.
   spring_ =
       haptics::coupling_stiffness(options.coupling, device.damping, device.period, device.delay) /
@@ -88,13 +88,13 @@ TickOutput DeviceLoop::tick(const Playback& playback, const TickInput& input) no
 }
 
 TickOutput DeviceLoop::tick(ToolWorld& world, const TickInput& input) noexcept {
-  const probing::ArmState& state = input.state;
-  SafetyInput safety{.now = input.now,
-                     .state_time = state.time,
-                     .answered = input.answered,
-                     .finite = state.tip.allFinite() && std::isfinite(state.time),
-                     .armed = state.armed,
-                     .crossfade = input.exchanged};
+  const devices::DeviceState& state = input.state;
+  devices::SafetyInput safety{.now = input.now,
+                              .state_time = state.time,
+                              .answered = input.answered,
+                              .finite = state.tip.allFinite() && std::isfinite(state.time),
+                              .armed = state.armed,
+                              .crossfade = input.exchanged};
   world.begin(input.now);
   TickOutput output = last_;
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();

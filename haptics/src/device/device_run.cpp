@@ -39,7 +39,7 @@ void touch_stack() {
 }  // namespace
 
 struct DeviceRun::Runner {
-  Runner(probing::Arm& a, std::shared_ptr<const Playback> m, std::shared_ptr<ToolWorld> w,
+  Runner(devices::Device& a, std::shared_ptr<const Playback> m, std::shared_ptr<ToolWorld> w,
          const DeviceLoopOptions& l, const RunOptions& o)
       : device(a),
         options(o),
@@ -76,7 +76,7 @@ struct DeviceRun::Runner {
 
   void run() {
     if (options.real_time) {
-      report.not_real_time = probing::ask_for_real_time(options.priority);
+      report.not_real_time = devices::ask_for_real_time(options.priority);
       report.memory_locked = lock_memory();
       touch_stack();
     }
@@ -167,7 +167,7 @@ struct DeviceRun::Runner {
         std::max(report.largest_displacement, (output.tool - output.contact).norm());
   }
 
-  probing::Arm& device;
+  devices::Device& device;
   RunOptions options;
   DeviceLoop loop;
   std::shared_ptr<const Playback> current;  // of the owner: that of the loop, or the one before
@@ -183,11 +183,11 @@ struct DeviceRun::Runner {
   std::thread thread;
 };
 
-DeviceRun::DeviceRun(probing::Arm& device, std::shared_ptr<const Playback> model,
+DeviceRun::DeviceRun(devices::Device& device, std::shared_ptr<const Playback> model,
                      const DeviceLoopOptions& loop, const RunOptions& options)
     : runner_(std::make_unique<Runner>(device, std::move(model), nullptr, loop, options)) {}
 
-DeviceRun::DeviceRun(probing::Arm& device, std::shared_ptr<ToolWorld> world,
+DeviceRun::DeviceRun(devices::Device& device, std::shared_ptr<ToolWorld> world,
                      const DeviceLoopOptions& loop, const RunOptions& options)
     : runner_(std::make_unique<Runner>(device, nullptr, std::move(world), loop, options)) {}
 

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 
 namespace palpate::haptics {
@@ -69,9 +70,7 @@ ModelStiffness model_stiffness(const Model& model, double highest_force) {
       result.stiffest = contact.id;
     }
   }
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  result.median = *middle;
+  result.median = median(all);
   return result;
 }
 
@@ -101,7 +100,7 @@ bool presses_calmly(const HandOptions& options, const CouplingOptions& coupling,
   const double duration = std::clamp(kDecays * decay, kShortest, kLongest);
   const auto ticks = static_cast<long>(duration / options.period());
   Swing early, late;
-  probing::ArmState measured;
+  devices::DeviceState measured;
   for (long tick = 0; tick < ticks; ++tick) {
     static_cast<void>(hand.read(measured));
     const Eigen::Vector3d force = coupling.on

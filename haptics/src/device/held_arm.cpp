@@ -42,7 +42,7 @@ struct HeldArm::Held {
   TimedPath wish;
   probing::HandGrip grip;
   probing::VirtualArm arm;
-  probing::ArmDescription description;
+  devices::DeviceDescription description;
 };
 
 HeldArm::HeldArm(TimedPath wish, const HandOptions& hand, probing::VirtualArmOptions arm) {
@@ -61,19 +61,21 @@ HeldArm::HeldArm(TimedPath wish, const HandOptions& hand, probing::VirtualArmOpt
 
 HeldArm::~HeldArm() = default;
 
-const probing::ArmDescription& HeldArm::description() const noexcept { return held_->description; }
+const devices::DeviceDescription& HeldArm::description() const noexcept {
+  return held_->description;
+}
 
 double HeldArm::now() const noexcept { return held_->arm.now(); }
 
 void HeldArm::activate() { held_->arm.activate(); }
 
-bool HeldArm::read(probing::ArmState& state) noexcept {
+bool HeldArm::read(devices::DeviceState& state) noexcept {
   held_->grip.place = held_->wish.position(held_->arm.now());
   held_->arm.hold(held_->grip);
   return held_->arm.read(state);
 }
 
-bool HeldArm::write(const probing::ArmCommand& command) noexcept {
+bool HeldArm::write(const devices::DeviceCommand& command) noexcept {
   return held_->arm.write(command);
 }
 

@@ -19,7 +19,7 @@
 #include <type_traits>
 
 #include "palpate/core/error.h"
-#include "palpate/probing/arm_description_json.h"
+#include "palpate/devices/device_description_json.h"
 
 namespace palpate::haptics {
 namespace {
@@ -55,7 +55,7 @@ LoopJson json_of(const DeviceLoopOptions& options) {
   for (const double entry : options.T_world_device.matrix().topRows<3>().transpose().reshaped()) {
     pose.push_back(entry);
   }
-  const SafetyOptions& safety = options.safety;
+  const devices::SafetyOptions& safety = options.safety;
   const CouplingOptions& coupling = options.coupling;
   return {{"T_world_device", pose},  // row by row
           {"scale", json_of(options.scale)},
@@ -137,7 +137,7 @@ LoopReplay compare_ticks(const LoopRecord& record, Tick&& tick) {
 }  // namespace
 
 TickRecord record_of(const TickInput& input, double written, const TickOutput& output) noexcept {
-  const probing::ArmState& state = input.state;
+  const devices::DeviceState& state = input.state;
   TickRecord record;
   record.now = input.now;
   record.state_time = state.time;
@@ -220,14 +220,15 @@ struct LoopRecorder::Writer {
   std::thread thread;
 };
 
-LoopRecorder::LoopRecorder(const std::filesystem::path& path, const probing::ArmDescription& device,
+LoopRecorder::LoopRecorder(const std::filesystem::path& path,
+                           const devices::DeviceDescription& device,
                            const DeviceLoopOptions& options, const std::string& session)
     : writer_(std::make_unique<Writer>(path)) {
   const std::string head = LoopJson{{"format", kLoopFormat},
                                     {"version", kLoopVersion},
                                     {"byte_order", "little"},
                                     {"tick_bytes", sizeof(TickRecord)},
-                                    {"device", LoopJson::parse(probing::to_json(device))},
+                                    {"device", LoopJson::parse(devices::to_json(device))},
                                     {"options", json_of(options)},
                                     {"session", session}}
                                .dump(-1, ' ', false, LoopJson::error_handler_t::replace) +
@@ -298,7 +299,7 @@ LoopRecord read_loop_record(const std::filesystem::path& path) {
   }
   LoopRecord record;
   try {
-    record.device = probing::arm_description_of(head.at("device").dump());
+    record.device = devices::device_description_of(head.at("device").dump());
     record.options = options_of(head.at("options"), version.get<int>());
     head.at("session").get_to(record.session);
   } catch (const InvalidInput& wrong) {

@@ -66,7 +66,7 @@ struct SimulatedHand::Simulation {
   TimedPath wish;
   HandOptions options;
   TickClock clock;
-  probing::ArmDescription description;
+  devices::DeviceDescription description;
   Eigen::Matrix3d step = Eigen::Matrix3d::Identity();
   std::array<Pending, kLongestDelay + 1> queue{};  // [0]: the latest command
   bool active = false;
@@ -117,7 +117,7 @@ SimulatedHand::SimulatedHand(TimedPath wish, const HandOptions& options) {
 
 SimulatedHand::~SimulatedHand() = default;
 
-const probing::ArmDescription& SimulatedHand::description() const noexcept {
+const devices::DeviceDescription& SimulatedHand::description() const noexcept {
   return simulation_->description;
 }
 
@@ -128,7 +128,7 @@ void SimulatedHand::activate() {
   simulation_->queue.fill({});
 }
 
-bool SimulatedHand::read(probing::ArmState& state) noexcept {
+bool SimulatedHand::read(devices::DeviceState& state) noexcept {
   Simulation& s = *simulation_;
   for (int ticks = s.clock.wait(); ticks > 0; --ticks) s.move();
   state = {};
@@ -139,7 +139,7 @@ bool SimulatedHand::read(probing::ArmState& state) noexcept {
   return true;
 }
 
-bool SimulatedHand::write(const probing::ArmCommand& command) noexcept {
+bool SimulatedHand::write(const devices::DeviceCommand& command) noexcept {
   Simulation& s = *simulation_;
   if (!s.active || !command.force.allFinite()) return false;
   s.queue[0] = {command.force, s.time + s.options.delay * s.options.period() + command.lease};

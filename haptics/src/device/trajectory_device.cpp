@@ -13,7 +13,7 @@ struct TrajectoryDevice::Player {
   TimedPath path;
   double period;
   TickClock clock;
-  probing::ArmDescription description;
+  devices::DeviceDescription description;
   bool active = false;
 };
 
@@ -33,7 +33,7 @@ TrajectoryDevice::TrajectoryDevice(TimedPath path, const TrajectoryDeviceOptions
 
 TrajectoryDevice::~TrajectoryDevice() = default;
 
-const probing::ArmDescription& TrajectoryDevice::description() const noexcept {
+const devices::DeviceDescription& TrajectoryDevice::description() const noexcept {
   return player_->description;
 }
 
@@ -41,7 +41,7 @@ double TrajectoryDevice::now() const noexcept { return player_->clock.now(); }
 
 void TrajectoryDevice::activate() { player_->active = true; }
 
-bool TrajectoryDevice::read(probing::ArmState& state) noexcept {
+bool TrajectoryDevice::read(devices::DeviceState& state) noexcept {
   player_->clock.wait();
   state = {};
   state.time = player_->clock.now();
@@ -50,7 +50,7 @@ bool TrajectoryDevice::read(probing::ArmState& state) noexcept {
   return true;
 }
 
-bool TrajectoryDevice::write(const probing::ArmCommand& command) noexcept {
+bool TrajectoryDevice::write(const devices::DeviceCommand& command) noexcept {
   return player_->active && command.force.allFinite();
 }
 

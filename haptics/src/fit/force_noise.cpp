@@ -9,7 +9,7 @@
 
 #include "fit/field_objective.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::haptics {
 namespace {
@@ -28,7 +28,7 @@ double typical_force(const std::vector<ForceSamples>& contacts) {
   std::vector<double> largest;
   for (const ForceSamples& contact : contacts)
     largest.push_back(contact.forces.colwise().norm().maxCoeff());
-  return geometry::median(std::move(largest));
+  return median(largest);
 }
 
 double multiple(int k) { return std::exp2(static_cast<double>(k) / kSteps); }
@@ -69,7 +69,7 @@ double estimated_force_noise(const std::vector<ForceSamples>& contacts, double r
     const FitResult fit = fit_force_field(pairs.displacements, pairs.forces, options);
     needed[p] = fit.stop == FitStop::unexplained ? needed_noise(pairs, fit, options) : least;
   });
-  return geometry::median(std::move(needed));
+  return median(needed);
 }
 
 }  // namespace palpate::haptics

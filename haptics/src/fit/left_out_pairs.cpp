@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fit/convex_fit.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::haptics {
 
@@ -31,12 +32,7 @@ Eigen::VectorXd left_out_squares(const WhitenedProblem& problem, const LeftOutOp
   return squares;
 }
 
-double typical_variance(const Eigen::VectorXd& squares) {
-  std::vector<double> sorted(squares.begin(), squares.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle / kMedianChi2;
-}
+double typical_variance(const Eigen::VectorXd& squares) { return median(squares) / kMedianChi2; }
 
 double capped_mean(const Eigen::VectorXd& squares, double most) {
   return squares.cwiseMin(most).mean();

@@ -14,8 +14,8 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 
 namespace palpate::haptics {
 namespace {
@@ -203,7 +203,7 @@ TimeRange check_records(std::span<const RateRecord> records) {
     }
   }
   if (steps.size() < 2) throw InvalidInput("fit_rate(): there is no path of three samples");
-  return {geometry::median(steps), kLongestTime * longest};
+  return {median(steps), kLongestTime * longest};
 }
 
 }  // namespace

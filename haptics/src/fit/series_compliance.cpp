@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "fit/whitened_problem.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::haptics {
 namespace {
@@ -106,7 +106,7 @@ Eigen::Matrix3d fit_global_compliance(const ForceSamples& samples, const ForceFi
       target.segment<3>(3 * i) = whiten * (d - force(local, f));
       squares[i] = (whiten * (d - series.displacement(f))).squaredNorm();
     }
-    const double median = geometry::median(std::vector(squares.begin(), squares.end()));
+    const double median = palpate::median(squares);
     // Robust weights as in `WhitenedProblem`.
     const double scale = kOutlier * std::max(1.0, median / kMedianChi2);
     for (Eigen::Index i = 0; i < count; ++i) {

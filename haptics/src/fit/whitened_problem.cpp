@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "fit/whitened_problem.h"
+#include "palpate/core/quantile.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -63,9 +64,7 @@ void WhitenedProblem::adapt_spread(const ForceField& field) {
   for (Eigen::Index i = 0; i < size(); ++i) {
     squares.push_back(errors.segment<3>(3 * i).squaredNorm());
   }
-  const auto middle = squares.begin() + size() / 2;
-  std::nth_element(squares.begin(), middle, squares.end());
-  spread_ = std::max(1.0, *middle / kMedianChi2);
+  spread_ = std::max(1.0, median(squares) / kMedianChi2);
 }
 
 Eigen::VectorXd WhitenedProblem::residuals(const ForceField& field) const {

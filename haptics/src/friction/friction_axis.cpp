@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/probing/measurable.h"
 
@@ -131,8 +131,7 @@ FrictionAxisFit fit_friction_axis(const ForceSamples& samples, const Eigen::Vect
   Eigen::ArrayXd errors, shrunk = Eigen::ArrayXd::Ones(fit.pairs);
   for (int i = 0; i < kMaxReweightings; ++i) {
     errors = (observed - design * solution).rowwise().norm();
-    const double most = kHuberOfRatios *
-                        geometry::median(std::vector(errors.begin(), errors.end())) / kMedianLength;
+    const double most = kHuberOfRatios * median(errors) / kMedianLength;
     if (!(most > 0)) break;
     shrunk = (errors > most).select(most / errors, 1.0);
     const Eigen::ArrayXd roots = shrunk.sqrt();

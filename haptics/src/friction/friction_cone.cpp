@@ -14,6 +14,7 @@
 #include "friction/slip_intervals.h"
 #include "friction/slip_likelihood.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/probing/measurable.h"
@@ -54,25 +55,23 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }
 
 template <typename Measure>
-double median(std::span<const SlipInterval> intervals, Measure measure) {
+double median_of(std::span<const SlipInterval> intervals, Measure measure) {
   std::vector<double> values;
   for (const SlipInterval& interval : intervals) values.push_back(measure(interval));
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median(values);
 }
 
 // The noise below which the likelihood becomes a plateau with steps. n intervals of width w leave a
 // gap of about w / n between the ends nearest to the boundary; kPlateau lets several ends count.
 double least_noise(std::span<const SlipInterval> intervals, double force_noise) {
-  const double width = median(intervals, [](const SlipInterval& interval) {
+  const double width = median_of(intervals, [](const SlipInterval& interval) {
     return (interval.slipped - interval.held).norm();
   });
   return std::max(force_noise, kPlateau * width / static_cast<double>(intervals.size()));
 }
 
 double typical_force(std::span<const SlipInterval> intervals) {
-  return median(intervals, [](const SlipInterval& interval) {
+  return median_of(intervals, [](const SlipInterval& interval) {
     return (interval.held + interval.slipped).norm() / 2;
   });
 }
@@ -91,7 +90,7 @@ SlipOptimum cool(std::span<const FrictionTrial> trials, SlipCone cone, FreeParam
 SlipOptimum fit_cone(std::span<const FrictionTrial> trials, std::span<const SlipInterval> intervals,
                      const Eigen::Vector3d& pressing, double noise) {
   SlipCone cone{.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing)};
-  cone.angle = median(intervals, [&](const SlipInterval& interval) {
+  cone.angle = median_of(intervals, [&](const SlipInterval& interval) {
     return angle_between(interval.held + interval.slipped, pressing);
   });
   cone.noise = kFirstNoisePart * typical_force(intervals);

@@ -12,7 +12,7 @@
 #include "friction/bent_trials.h"
 #include "friction/slip_likelihood.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
@@ -76,7 +76,7 @@ std::optional<FrictionLoadEstimate> estimate_friction_load(std::span<const Loade
   if (normals.empty()) return std::nullopt;
   const auto [least, most] = std::ranges::minmax(normals);
   if (!(most >= kLeastRatio * least)) return std::nullopt;
-  const double force = geometry::median(normals);
+  const double force = median(normals);
 
   const double constant = cost(used, {}, 0);
   const auto minimum = [](const auto& function, double low, double high) {

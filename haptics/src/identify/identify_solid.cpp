@@ -18,9 +18,9 @@
 #include "identify/parameter_estimation.h"
 #include "identify/solid_law.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/core/work_steps.h"
-#include "palpate/geometry/median.h"
 #include "palpate/probing/probed_solid.h"
 
 namespace palpate::haptics {
@@ -102,7 +102,7 @@ double common_factor(const probing::FiniteElementObject& object,
       factor *= kLargestScaling;
       continue;
     }
-    const double ratio = geometry::median(ratios);
+    const double ratio = median(ratios);
     const double next = std::max(factor * std::clamp(ratio, 1 / kLargestScaling, kLargestScaling),
                                  kEdge * too_soft);
     // At the edge of what has equilibria, the pairs with larger displacements decide.

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <set>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::haptics {
 namespace {
@@ -309,7 +309,7 @@ ComplianceKriging learn_kriging(const Model& model) {
     values.push_back(*value);
   }
   if (result.known.empty()) return result;
-  result.spacing = geometry::median(std::move(distances));
+  result.spacing = median(distances);
   const std::size_t stride = (values.size() + kMaxLearntFrom - 1) / kMaxLearntFrom;
   std::vector<Surroundings> some_around;
   std::vector<Compliance> some_values;

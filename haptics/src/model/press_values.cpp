@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "palpate/core/parallel_for.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/blended_field.h"
 
@@ -39,7 +39,7 @@ std::optional<double> reference_press_depth(const Model& model) {
   std::vector<double> depths;
   for (const ContactModel& contact : model.contacts)
     if (contact.compliance) depths.push_back(contact.compliance->values[2]);
-  return depths.empty() ? std::nullopt : std::optional(geometry::median(depths));
+  return depths.empty() ? std::nullopt : std::optional(median(depths));
 }
 
 }  // namespace palpate::haptics

@@ -13,6 +13,7 @@
 
 #include "fit/convex_fit.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/rounding.h"
@@ -87,11 +88,7 @@ double root_mean_square(const Eigen::Matrix3Xd& columns) {
 double refit_reach(const ForceField& field, const std::optional<double>& largest_force) {
   std::vector<double> extents;
   for (const Multiquadric& base : field.bases) extents.push_back(extent(base));
-  if (!largest_force) {
-    const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
-    std::ranges::nth_element(extents, middle);
-    return *middle;
-  }
+  if (!largest_force) return median(extents);
   const Eigen::Matrix3Xd sphere = directions(0);
   const auto force_at = [&](double radius) {
     Eigen::Matrix3Xd forces(3, sphere.cols());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/option_lists.h"
 
+#include "palpate/devices/safety_filter.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/identify.h"
@@ -9,7 +10,6 @@
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
-#include "palpate/haptics/safety_filter.h"
 
 namespace palpate::haptics {
 
@@ -30,7 +30,7 @@ void visit_options(FieldVisitor& visitor) {
   visit(reduction, visitor);
   PlaybackOptions playback;
   visit(playback, visitor);
-  SafetyOptions safety;
+  devices::SafetyOptions safety;
   visit(safety, visitor);
 }
 

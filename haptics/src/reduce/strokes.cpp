@@ -13,7 +13,7 @@
 #include "build/contact_edges.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/playback.h"
 
@@ -133,7 +133,7 @@ DepthLimit depth_limit(const Model& model, const StrokeSettings& settings) {
 // evenly.
 double usual_distance(const Model& model) {
   std::vector<double> lengths = contact_edge_lengths(model);
-  if (!lengths.empty()) return geometry::median(std::move(lengths));
+  if (!lengths.empty()) return median(lengths);
   return geometry::bounding_diagonal(model.surface) /
          std::sqrt(static_cast<double>(model.contacts.size()));
 }

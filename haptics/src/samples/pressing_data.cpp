@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::haptics {
 namespace {
@@ -108,7 +108,7 @@ Scales scales_of(std::span<const PressedContact> contacts, const std::vector<Pre
   }
   if (largest > 0) scales.length = largest;
   if (along > 0) scales.force = std::sqrt(along / samples);
-  scales.depths = static_cast<int>(geometry::median(std::move(depths)));
+  scales.depths = static_cast<int>(median(depths));
   scales.along = across <= kAlongOnly * kAlongOnly * along;
   return scales;
 }

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "palpate/core/parallel_for.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "samples/nearest_contacts.h"
 #include "samples/pressing_stack.h"
 
@@ -51,7 +51,7 @@ double spacing_of(std::span<const PressedContact> contacts,
     if (nearest[i].size() > 1)
       distances.push_back((contacts[nearest[i][1]].position - contacts[i].position).norm());
   }
-  return distances.empty() ? 0 : geometry::median(std::move(distances));
+  return distances.empty() ? 0 : median(distances);
 }
 
 // Of the data of the first member, given those of the others.

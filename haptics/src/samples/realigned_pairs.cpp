@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 
+#include "palpate/core/quantile.h"
 #include "palpate/haptics/realignment.h"
 
 namespace palpate::haptics {
@@ -21,12 +22,10 @@ Scatter scatter_of(const std::vector<Eigen::Vector3d>& positions, const Eigen::V
   std::vector<double> distances;
   distances.reserve(positions.size());
   for (const Eigen::Vector3d& a : positions) distances.push_back((a - mean).norm());
-  std::vector<double> ordered = distances;
-  const auto middle = ordered.begin() + static_cast<std::ptrdiff_t>(ordered.size() / 2);
-  std::nth_element(ordered.begin(), middle, ordered.end());
+  const double farthest = kOutlierRatio * median(distances);
   Scatter scatter;
   for (const double distance : distances) {
-    if (distance > kOutlierRatio * *middle) continue;
+    if (distance > farthest) continue;
     ++scatter.repeats;
     scatter.variance += distance * distance;
   }

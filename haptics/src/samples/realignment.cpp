@@ -43,7 +43,8 @@ Eigen::Index count_pairs(const std::map<long long, Group>& groups) {
 // them do not determine a direction of least scatter.
 constexpr std::size_t kMinPositions = 4;
 
-double median(std::vector<double> values) {
+// Of an even number of values, the mean of the two middle ones.
+double mean_median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
@@ -56,7 +57,7 @@ Eigen::Vector3d median_position(const Group& group) {
   for (Eigen::Index component = 0; component < 3; ++component) {
     std::vector<double> values;
     for (const probing::Sample* sample : group) values.push_back(sample->a[component]);
-    result[component] = median(std::move(values));
+    result[component] = mean_median(std::move(values));
   }
   return result;
 }
@@ -67,7 +68,7 @@ Group inliers(const Group& group) {
   const Eigen::Vector3d center = median_position(group);
   std::vector<double> distances;
   for (const probing::Sample* sample : group) distances.push_back((sample->a - center).norm());
-  const double most = kOutlierRatio * median(distances);
+  const double most = kOutlierRatio * mean_median(distances);
   Group kept;
   for (std::size_t i = 0; i < group.size(); ++i) {
     if (distances[i] <= most) kept.push_back(group[i]);

@@ -15,12 +15,13 @@ namespace palpate::probing {
 /// are in the frame of the base. Each function throws ArmStopped after a fault.
 class ArmMotion {
  public:
-  ArmMotion(SafeArm& arm, const ArmProberOptions& options) : arm_(arm), options_(options) {}
+  ArmMotion(devices::SafeDevice& arm, const ArmProberOptions& options)
+      : arm_(arm), options_(options) {}
 
   /// Discards the state of all previous motion. The motors have just been switched on.
   void begin(const GravityModel& gravity);
 
-  [[nodiscard]] const ArmState& state() const { return state_; }
+  [[nodiscard]] const devices::DeviceState& state() const { return state_; }
   [[nodiscard]] const Eigen::Vector3d& speed() const { return speed_; }  ///< [mm/s] smoothed
   [[nodiscard]] double period() const { return arm_.description().period; }
   [[nodiscard]] int ticks_in(double seconds) const;
@@ -54,11 +55,11 @@ class ArmMotion {
   void send(const Eigen::Vector3d& torque);
   [[noreturn]] void fail() const;
 
-  SafeArm& arm_;
+  devices::SafeDevice& arm_;
   const ArmProberOptions& options_;
   GravityModel gravity_;
   std::optional<JointController> controller_;
-  ArmState state_;
+  devices::DeviceState state_;
   Eigen::Vector3d speed_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();         // [mm]
   Eigen::Vector3d target_joints_ = Eigen::Vector3d::Zero();  // [rad]

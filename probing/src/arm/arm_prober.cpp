@@ -67,7 +67,7 @@ void check_prober_options(const ArmProberOptions& o) {
 }  // namespace
 
 struct ArmProber::Impl {
-  Impl(Arm& arm, const ArmProberOptions& given, const EmergencyStop* button,
+  Impl(devices::Device& arm, const ArmProberOptions& given, const devices::EmergencyStop* button,
        const std::optional<GravityModel>& known)
       : options(given),
         stop(button),
@@ -101,7 +101,7 @@ struct ArmProber::Impl {
       safe.activate();
     } catch (const DeviceError& error) {  // the reason of a fault still exists, or the arm refuses
       const bool pressed = stop != nullptr && stop->pressed();
-      throw ArmStopped(error.what(), pressed ? ArmFault::emergency_stop : safe.fault());
+      throw ArmStopped(error.what(), pressed ? devices::DeviceFault::emergency_stop : safe.fault());
     }
   }
 
@@ -134,7 +134,8 @@ struct ArmProber::Impl {
   ProbeReport perform(const ProbeAction& action) {
     if (const std::exception_ptr fault = end_keeping()) std::rethrow_exception(fault);
     if (!gravity) throw InvalidInput("ArmProber: gravity is not known; call calibrate first");
-    if (action.trial != trial || safe.fault() != ArmFault::none) begin_trial(action.trial);
+    if (action.trial != trial || safe.fault() != devices::DeviceFault::none)
+      begin_trial(action.trial);
     begun = time();
     ProbeReport result;
     switch (action.kind) {
@@ -360,8 +361,8 @@ struct ArmProber::Impl {
   }
 
   ArmProberOptions options;
-  const EmergencyStop* stop;
-  SafeArm safe;
+  const devices::EmergencyStop* stop;
+  devices::SafeDevice safe;
   ArmMotion motion;
   std::optional<GravityModel> gravity;
   std::vector<HeldPose> poses;
@@ -379,7 +380,8 @@ struct ArmProber::Impl {
   std::exception_ptr kept;
 };
 
-ArmProber::ArmProber(Arm& arm, const ArmProberOptions& options, const EmergencyStop* emergency_stop,
+ArmProber::ArmProber(devices::Device& arm, const ArmProberOptions& options,
+                     const devices::EmergencyStop* emergency_stop,
                      const std::optional<GravityModel>& gravity)
     : impl_(std::make_unique<Impl>(arm, options, emergency_stop, gravity)) {}
 
@@ -394,7 +396,7 @@ void ArmProber::calibrate() {
     impl.poses = hold_poses(impl.safe, impl.options.calibration);
     impl.gravity = fit_gravity(impl.poses);
   } catch (const DeviceError& error) {
-    if (impl.safe.fault() == ArmFault::none) throw;
+    if (impl.safe.fault() == devices::DeviceFault::none) throw;
     std::string message = error.what();
     message += ": " + std::string(to_string(impl.safe.fault()));
     if (const std::string words = impl.safe.last_error(); !words.empty())
@@ -416,6 +418,6 @@ const std::vector<AppliedForce>& ArmProber::applied_forces() const { return impl
 
 ProbeReport ArmProber::perform(const ProbeAction& action) { return impl_->perform(action); }
 
-const SafeArm& ArmProber::arm() const { return impl_->safe; }
+const devices::SafeDevice& ArmProber::arm() const { return impl_->safe; }
 
 }  // namespace palpate::probing

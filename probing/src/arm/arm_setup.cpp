@@ -127,8 +127,8 @@ class Members {
   std::vector<std::string> known_;
 };
 
-void take_limits(Members& m, SafetyLimits& limits) {
-  m.take("force", limits.force, above(0).finite(), "N");
+void take_limits(Members& m, devices::SafetyLimits& limits) {
+  m.take("max_force", limits.max_force, above(0).finite(), "N");
   m.take("slew", limits.slew, above(0).finite(), "N/s");
   m.take("speed", limits.speed, above(0).finite(), "mm/s");
   m.take("depth", limits.depth, above(0).finite(), "mm");

@@ -15,7 +15,7 @@ namespace {
 /// Moves an arm along straight lines in joint space, and holds it.
 class PoseHolder {
  public:
-  PoseHolder(Arm& arm, const GravityCalibration& calibration)
+  PoseHolder(devices::Device& arm, const GravityCalibration& calibration)
       : arm_(arm), calibration_(calibration), controller_(calibration.gains) {
     read();
     at_ = target_ = state_.joints;
@@ -86,17 +86,17 @@ class PoseHolder {
     return torque;
   }
 
-  Arm& arm_;
+  devices::Device& arm_;
   const GravityCalibration& calibration_;
   JointController controller_;
-  ArmState state_;
+  devices::DeviceState state_;
   Eigen::Vector3d at_;      // where the arm was moved to
   Eigen::Vector3d target_;  // of the latest step
 };
 
 }  // namespace
 
-std::vector<HeldPose> hold_poses(Arm& arm, const GravityCalibration& calibration) {
+std::vector<HeldPose> hold_poses(devices::Device& arm, const GravityCalibration& calibration) {
   require("GravityCalibration::angles", calibration.angles, at_least(3));
   require("GravityCalibration::speed", calibration.speed, above(0).finite(), "rad/s");
   require("GravityCalibration::settling", calibration.settling, at_least(0).finite(), "s");

@@ -162,7 +162,7 @@ struct VirtualArm::Simulation {
   VirtualArmOptions options;
   std::optional<SimulatedContact> contact;
   Eigen::Isometry3d T_base_world;
-  ArmDescription description;
+  devices::DeviceDescription description;
   VirtualArmTruth truth;
   Eigen::Vector3d gain;
 
@@ -186,7 +186,9 @@ VirtualArm::VirtualArm(const Specimen* specimen, const VirtualArmOptions& option
 
 VirtualArm::~VirtualArm() = default;
 
-const ArmDescription& VirtualArm::description() const noexcept { return simulation_->description; }
+const devices::DeviceDescription& VirtualArm::description() const noexcept {
+  return simulation_->description;
+}
 
 double VirtualArm::now() const noexcept { return simulation_->time; }
 
@@ -196,7 +198,7 @@ void VirtualArm::activate() {
   simulation_->force.setZero();
 }
 
-bool VirtualArm::read(ArmState& state) noexcept {
+bool VirtualArm::read(devices::DeviceState& state) noexcept {
   Simulation& s = *simulation_;
   try {
     s.tick();
@@ -213,7 +215,7 @@ bool VirtualArm::read(ArmState& state) noexcept {
   return state.tip.allFinite();
 }
 
-bool VirtualArm::write(const ArmCommand& command) noexcept {
+bool VirtualArm::write(const devices::DeviceCommand& command) noexcept {
   if (!simulation_->active || !command.force.allFinite()) return false;
   simulation_->force = command.force;
   simulation_->lease_end = simulation_->time + command.lease;

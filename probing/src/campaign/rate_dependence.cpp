@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::probing {
 namespace {
@@ -35,8 +35,8 @@ RateDependence rate_dependence(std::span<const TrialRecord> trials, const Progra
   }
   RateDependence found{.loops = static_cast<int>(lost.size()),
                        .creeps = static_cast<int>(creep.size())};
-  if (!lost.empty()) found.energy_lost = geometry::median(lost);
-  if (!creep.empty()) found.creep = geometry::median(creep);
+  if (!lost.empty()) found.energy_lost = median(lost);
+  if (!creep.empty()) found.creep = median(creep);
   return found;
 }
 

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::probing {
 namespace {
@@ -111,7 +111,7 @@ double allowed_microslip(std::span<const HeldDrag> drags, double ratio, double m
 
 double allowed_threshold(std::span<const double> held, double most) {
   if (held.size() < kFewestHeld) return most;
-  const double median = geometry::median(std::vector<double>(held.begin(), held.end()));
+  const double median = palpate::median(held);
   return std::clamp(kThresholdPerMedian * median, kLeastThreshold * most, most);
 }
 

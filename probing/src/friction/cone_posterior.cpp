@@ -84,7 +84,7 @@ AxisForces split_force(const Eigen::Vector3d& force, const Eigen::Matrix4Xd& cel
 }
 
 /// Quantile of a distribution given by the weights of equal cells, uniform within each cell.
-double quantile(const Eigen::VectorXd& weights, double low, double step, double part) {
+double cell_quantile(const Eigen::VectorXd& weights, double low, double step, double part) {
   double below = 0;
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
     if (below + weights[i] >= part) {
@@ -230,7 +230,7 @@ ConeEstimate ConePosterior::estimate() const {
   for (int i = 0; i < kAngles; ++i) of_angle[i] = weights_.segment(i * kAxes, kAxes).sum();
   const double step = angles_[1] - angles_[0];
   const auto at = [&](double part) {
-    return std::clamp(quantile(of_angle, angles_[0], step, part), 0.0, kLargestAngle);
+    return std::clamp(cell_quantile(of_angle, angles_[0], step, part), 0.0, kLargestAngle);
   };
   result.angle = mean_[0];
   result.angle_deviation = deviation_[0];

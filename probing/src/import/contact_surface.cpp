@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/facing_share.h"
 
@@ -103,9 +104,7 @@ class Trimming {
     std::vector<double> lengths;
     for (const Triangle& triangle : triangles_)
       for (std::size_t k = 0; k < 3; ++k) lengths.push_back(length(triangle, k));
-    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-    std::ranges::nth_element(lengths, middle);
-    const double longest = factor * *middle;
+    const double longest = factor * median(lengths);
     std::erase_if(triangles_, [&](const Triangle& triangle) {
       return length(triangle, 0) > longest || length(triangle, 1) > longest ||
              length(triangle, 2) > longest;

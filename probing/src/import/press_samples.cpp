@@ -8,11 +8,12 @@
 namespace palpate::probing {
 namespace {
 
-constexpr double kTurned = 0.05;  // sine of the angle from which on a force or a path is turned
+constexpr double kTurnedForce =
+    0.05;  // sine of the angle from which on a force or a path is turned
 
 bool is_turned(const Eigen::Vector3d& vector, const Eigen::Vector3d& from) {
   const Eigen::Vector3d along = from.normalized();
-  return (vector - vector.dot(along) * along).norm() > kTurned * vector.norm();
+  return (vector - vector.dot(along) * along).norm() > kTurnedForce * vector.norm();
 }
 
 /// Positions of the presses without a drag, by their force along the first one.

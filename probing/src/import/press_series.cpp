@@ -14,6 +14,7 @@
 #include "import/surface_touch.h"
 #include "import/tip_slides.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/probing/csv.h"
 
 namespace palpate::probing {
@@ -112,15 +113,13 @@ std::vector<double> speeds_of(const std::vector<Moment>& moments, double window)
 /// The median of each component of the force from one moment to another. A touch begins before its
 /// force exceeds the threshold; that and what follows a release is less than half of the time.
 Eigen::Vector3d median_force(std::span<const Moment> moments) {
-  Eigen::Vector3d median;
+  Eigen::Vector3d force;
   std::vector<double> values(moments.size());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   for (Eigen::Index k = 0; k < 3; ++k) {
     std::ranges::transform(moments, values.begin(), [k](const Moment& m) { return m.force[k]; });
-    std::ranges::nth_element(values, middle);
-    median[k] = *middle;
+    force[k] = median(values);
   }
-  return median;
+  return force;
 }
 
 /// The force of a tip that is free, from the last release on.

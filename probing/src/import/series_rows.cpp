@@ -11,7 +11,7 @@
 #include "import/import_columns.h"
 #include "import/press_samples.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/probing/csv.h"
 
 namespace palpate::probing {
@@ -153,8 +153,8 @@ void SeriesRows::add_press(const SeriesPress& press, const Recording& recording,
 SeriesCounts SeriesRows::counts() const {
   SeriesCounts counts = counts_;
   if (!depths_.empty()) {
-    counts.touch_depth = geometry::median(depths_);
-    counts.touch_deviation = geometry::median(deviations_);
+    counts.touch_depth = median(depths_);
+    counts.touch_deviation = median(deviations_);
   }
   return counts;
 }

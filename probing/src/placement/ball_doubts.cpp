@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "placement/length_units.h"
 
 namespace palpate::probing {
@@ -34,14 +34,14 @@ double median_extent(const Matrix3Xd& points) {
   Vector3d middle;
   for (int axis = 0; axis < 3; ++axis) {
     const auto row = points.row(axis);
-    middle[axis] = geometry::median(std::vector<double>(row.begin(), row.end()));
+    middle[axis] = median(std::vector<double>(row.begin(), row.end()));
   }
   const Eigen::VectorXd distances = (points.colwise() - middle).colwise().norm().transpose();
-  return geometry::median(std::vector<double>(distances.begin(), distances.end()));
+  return median(distances);
 }
 
 std::optional<std::string> wrong_radius(const BallPoints& balls, double given) {
-  const double radius = geometry::median(balls.radii);
+  const double radius = median(balls.radii);
   if (std::abs(radius - given) <= kOtherRadius * given) return std::nullopt;
   constexpr double kAboutTwice = 0.1;
   const bool diameter = std::abs(given / radius - 2) < kAboutTwice;

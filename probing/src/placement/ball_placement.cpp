@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 #include "palpate/geometry/robust_weights.h"
 #include "placement/ball_doubts.h"
 #include "placement/ball_points.h"
@@ -28,7 +28,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 /// Balls that are needed to judge a pose, and with an offset: as many numbers again as unknowns.
-constexpr std::size_t kFewest = 4, kFewestWithOffset = 6;
+constexpr std::size_t kFewestBalls = 4, kFewestBallsWithOffset = 6;
 
 /// A position contradicts the others if its distance is more than this many standard deviations of
 /// a coordinate. One in 6000 good ones is beyond 4.5, but few positions give the deviation within a
@@ -135,8 +135,7 @@ double spare_numbers(Eigen::Index balls, bool with_offset) {
 /// Standard deviation of a coordinate if half of the positions agree.
 double deviation_of(const Eigen::VectorXd& distances, bool with_offset) {
   constexpr double kMedian = 1.538;  // of the length of a vector of three normal coordinates
-  const double median =
-      geometry::median(std::vector<double>(distances.begin(), distances.end())) / kMedian;
+  const double median = palpate::median(distances) / kMedian;
   const auto numbers = 3.0 * static_cast<double>(distances.size());
   return median * std::sqrt(numbers / spare_numbers(distances.size(), with_offset));
 }
@@ -199,7 +198,8 @@ FittedBalls fit_balls(const BallPoints& balls, const Eigen::Isometry3d& start, b
 
 /// Returns true if the orientations determine the offset of the ball.
 bool determine_offset(const BallPoints& balls, const Eigen::Isometry3d& pose) {
-  if (!balls.oriented || balls.size() < static_cast<Eigen::Index>(kFewestWithOffset)) return false;
+  if (!balls.oriented || balls.size() < static_cast<Eigen::Index>(kFewestBallsWithOffset))
+    return false;
   const BallState state{.T_camera_base = pose};
   const BallEquations sums =
       equations_of(balls, state, places_of(balls, state), Eigen::VectorXd::Ones(balls.size()));
@@ -272,9 +272,9 @@ BallPlacement place_by_ball(const std::vector<HeldBall>& held, double ball_radiu
   BallPlacement placement;
   placement.residuals.assign(held.size(), {.distance = std::numeric_limits<double>::quiet_NaN()});
   const BallPoints balls = ball_points(held);
-  if (balls.size() < static_cast<Eigen::Index>(kFewest)) {
+  if (balls.size() < static_cast<Eigen::Index>(kFewestBalls)) {
     placement.reason = fmt::format("the ball was found at {} poses; at least {} are needed",
-                                   balls.size(), kFewest);
+                                   balls.size(), kFewestBalls);
     return placement;
   }
   if (const auto impossible = impossible_balls(balls, ball_radius)) {
@@ -315,7 +315,7 @@ BallPlacement place_by_ball(const std::vector<HeldBall>& held, double ball_radiu
     const Matrix3d covariance = fitted.variance * offset_alone(sums).inverse();
     placement.offset_deviation = covariance.diagonal().cwiseSqrt();
   }
-  const std::size_t fewest = with_offset ? kFewestWithOffset : kFewest;
+  const std::size_t fewest = with_offset ? kFewestBallsWithOffset : kFewestBalls;
   if (free) {
     placement.reason = fmt::format("the positions do not determine {}", *free);
   } else if (fitted.used.size() < fewest || 2 * fitted.used.size() <= held.size()) {

@@ -6,7 +6,7 @@
 #include <array>
 #include <limits>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::probing {
 
@@ -45,8 +45,7 @@ AgreedPose agreed_pose(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to)
         const Eigen::Matrix3d a = from(Eigen::all, some), b = to(Eigen::all, some);
         const Eigen::Isometry3d motion(Eigen::umeyama(a, b, false));
         const Eigen::VectorXd distances = (motion * from - to).colwise().norm().transpose();
-        const double median =
-            geometry::median(std::vector<double>(distances.begin(), distances.end()));
+        const double median = palpate::median(distances);
         if (median < best.median) best = {motion, median};
       }
     }

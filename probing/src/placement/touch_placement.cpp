@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/robust_weights.h"
@@ -59,7 +59,7 @@ double deviation_of(const geometry::TargetPlanes& planes) {
   const auto count = static_cast<double>(distances.size());
   if (count <= kPoseUnknowns) return std::numeric_limits<double>::infinity();
   // The fit follows few touches, which makes their distances smaller than their errors.
-  return geometry::deviation_of_median(geometry::median(std::move(distances))) *
+  return geometry::deviation_of_median(median(distances)) *
          std::sqrt(count / (count - kPoseUnknowns));
 }
 

@@ -31,9 +31,6 @@ struct ProbedContact {
 
 [[nodiscard]] double tangential_over_normal(const Press& press);
 
-/// The upper one of two; 0 of none.
-[[nodiscard]] double median(std::vector<double> values);
-
 /// Four significant digits without trailing zeros: figures for reading.
 [[nodiscard]] std::string figure(double value);
 /// "98 %".

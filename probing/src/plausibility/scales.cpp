@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "palpate/core/quantile.h"
 #include "plausibility/presses.h"
 
 namespace palpate::probing {
@@ -121,7 +122,7 @@ void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding
       force = std::max(force, press.sample->force.norm());
     }
   }
-  const double extent = (high - low).norm(), displacement = median(std::move(displacements));
+  const double extent = (high - low).norm(), displacement = median(displacements);
   const char* const kMillimetres =
       "check the unit of the lengths (probe import --length-unit), or ignore this if it is right";
   if (contacts.size() > 1 && (extent < kSmallestExtent || extent > kLargestExtent)) {
@@ -155,7 +156,7 @@ void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding
     }
     ratios.push_back(largest);
   }
-  const double ratio = median(std::move(ratios));
+  const double ratio = median(ratios);
   if (ratio > kLargestFriction) {
     findings.push_back({Implausibility::tilted_forces, false,
                         "samples that held have tangential forces of " + figure(ratio) +

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 
 namespace palpate::probing {
 namespace {
@@ -40,7 +40,7 @@ double typical_spacing(const Eigen::Matrix3Xd& places) {
                          " is at the place of another one; give each place once");
     }
   }
-  return geometry::median(nearest);
+  return median(nearest);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 #include "calibration/found_board.h"
 #include "files/storage_file.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/sensing/board_print.h"
 
 namespace palpate::sensing {
@@ -114,7 +114,7 @@ std::optional<FoundBoard> find_charuco_board(const cv::Mat& gray, const cv::Mat_
     result.corners.col(count++) = fit.place;
     blurs.push_back(fit.blur);
   }
-  result.blur = geometry::median(std::move(blurs));
+  result.blur = median(blurs);
   result.board.conservativeResize(Eigen::NoChange, count);
   result.corners.conservativeResize(Eigen::NoChange, count);
   return result;

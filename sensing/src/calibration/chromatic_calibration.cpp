@@ -17,8 +17,8 @@
 #include "calibration/white_view.h"
 #include "image/hue.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 #include "palpate/sensing/pattern_image.h"
 #include "phase/chromatic.h"
 
@@ -109,7 +109,7 @@ Problem prepare(const std::vector<WhiteImage>& images, const Rig& rig, const Pat
         const Eigen::Vector2d pixel = camera_pixel(cell, problem.carrier);
         view.rays.push_back(geometry::undistort(rig.camera, pixel).homogeneous());
       }
-      use.median_depth = geometry::median(std::move(depths));
+      use.median_depth = median(depths);
       problem.views.push_back(std::move(view));
     }
     uses.push_back(std::move(use));
@@ -239,8 +239,7 @@ ChromaticShift find_start(const Residuals& at_none, double range) {
 Eigen::VectorXd robust_weights(const Eigen::VectorXd& residuals) {
   std::vector<double> sizes(residuals.data(), residuals.data() + residuals.size());
   for (double& size : sizes) size = std::abs(size);
-  const double limit =
-      kTukey * std::max(kMadToSigma * geometry::median(std::move(sizes)), kLeastPhaseSigma);
+  const double limit = kTukey * std::max(kMadToSigma * median(sizes), kLeastPhaseSigma);
   const Eigen::ArrayXd inside = (1 - (residuals.array() / limit).square()).max(0);
   return inside.square();
 }

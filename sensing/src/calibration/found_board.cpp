@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "files/storage_file.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::sensing {
 namespace {
@@ -115,7 +115,7 @@ std::optional<FoundBoard> find_chessboard(const cv::Mat& gray, const cv::Mat_<fl
     refined.col(i) = fit.place;
     blurs.push_back(fit.blur);
   }
-  result.blur = geometry::median(std::move(blurs));
+  result.blur = median(blurs);
   result.corners = refined;
   return result;
 }

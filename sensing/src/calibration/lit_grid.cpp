@@ -13,7 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "image/image_plane.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::sensing {
 namespace {
@@ -177,10 +177,10 @@ std::optional<CellMean> mean_of(const std::vector<const BorderPlace*>& cell) {
   std::vector<double> values;
   values.reserve(cell.size());
   for (const BorderPlace* crossing : cell) values.push_back(crossing->residual);
-  const double middle = geometry::median(values);
+  const double middle = median(values);
   for (double& value : values) value = std::abs(value - middle);
   constexpr double kCut = 5;  // times the median deviation: 3.4 standard deviations
-  const double largest = kCut * geometry::median(values);
+  const double largest = kCut * median(values);
   CellMean mean;
   double sum = 0;
   for (const BorderPlace* crossing : cell) {
@@ -191,7 +191,7 @@ std::optional<CellMean> mean_of(const std::vector<const BorderPlace*>& cell) {
   }
   for (int axis = 0; axis < 2; ++axis) {
     for (std::size_t i = 0; i < cell.size(); ++i) values[i] = cell[i]->rise[axis];
-    mean.rise[axis] = geometry::median(values);
+    mean.rise[axis] = median(values);
   }
   mean.camera /= sum;
   mean.residual /= sum;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "image/hue.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "setup/rig_jacobian.h"
 #include "setup/triangulation.h"
 
@@ -181,7 +181,7 @@ Count count_by_plane(const std::vector<PeriodSample>& samples, const Rig& rig,
 /// \param missing periods that each sample lacks.
 Count count_by_depth(const std::vector<double>& missing) {
   if (missing.empty()) return {{}, 0, "no depth is known where its phase is reliable"};
-  const double number = std::round(geometry::median(missing));
+  const double number = std::round(median(missing));
   const auto agreeing = std::count_if(missing.begin(), missing.end(),
                                       [&](double value) { return std::abs(value - number) <= 1; });
   if (static_cast<double>(agreeing) < kLeastAgreement * static_cast<double>(missing.size())) {

@@ -12,6 +12,7 @@
 #include "image/image_plane.h"
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/response.h"
@@ -23,6 +24,8 @@ namespace {
 constexpr std::size_t kLeastLevels = 5;
 /// Share of the lit pixels that must remain without the clipped ones.
 constexpr double kLeastUsable = 0.2;
+/// Share of the pixels, from that with the smallest range on, that set the scale.
+constexpr double kRangesBelow = 0.95;
 /// A level may look darker than the one below by this share of the whole range (flicker, noise).
 constexpr double kFlicker = 0.01;
 /// Range of exponents for the power law.
@@ -88,15 +91,13 @@ cv::Mat find_changing(const Channel& channel, const ResponseOptions& options) {
   cv::Mat_<float> range;
   cv::subtract(high, low, range);
   // Highlights and defective pixels must not set the scale for the others.
-  std::vector<float> ranges(range.begin(), range.end());
-  const auto widest = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 19 / 20);
-  std::nth_element(ranges.begin(), widest, ranges.end());
-  if (!(static_cast<double>(*widest) >= options.min_contrast)) {
+  const float widest = quantile(range, kRangesBelow);
+  if (!(static_cast<double>(widest) >= options.min_contrast)) {
     fail("from " + channel.names.front() + " to " + channel.names.back() +
-         " the images hardly get brighter (by " + std::to_string(*widest) +
+         " the images hardly get brighter (by " + std::to_string(widest) +
          " of full scale); the projector's light does not arrive, or the exposure is too short");
   }
-  return range >= options.min_range * static_cast<double>(*widest);
+  return range >= options.min_range * static_cast<double>(widest);
 }
 
 /// Removes clipped pixels from the mask, and the brightest levels if they would leave too few

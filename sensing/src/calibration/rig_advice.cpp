@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "setup/rig_jacobian.h"
 
 namespace palpate::sensing {
@@ -149,8 +149,7 @@ double relative_depth_deviation(const Rig& rig, const RigFit& fit) {
     for (const double variance : inverse_depth_variance(rig, view))
       if (variance >= 0) shares.push_back(std::sqrt(variance) / w);
   }
-  return shares.empty() ? std::numeric_limits<double>::infinity()
-                        : geometry::median(std::move(shares));
+  return shares.empty() ? std::numeric_limits<double>::infinity() : median(shares);
 }
 
 }  // namespace palpate::sensing

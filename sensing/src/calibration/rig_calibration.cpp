@@ -16,8 +16,8 @@
 #include "calibration/rig_fit.h"
 #include "calibration/rig_move.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 
 namespace palpate::sensing {
 namespace {
@@ -91,7 +91,7 @@ std::optional<Outlier> find_outlier(const RigFit& fit, double max_ratio) {
     for (std::size_t v = 0; v < values.size(); ++v) {
       std::vector<double> others = values;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(v));
-      const double usual = geometry::median(std::move(others));
+      const double usual = median(others);
       const double ratio = values[v] / std::max(usual, kHarmlessRms);
       if (ratio <= worst_ratio) continue;
       worst_ratio = ratio;

@@ -9,7 +9,7 @@
 
 #include "calibration/lens_calibration.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::sensing {
 namespace {
@@ -76,7 +76,7 @@ void set_weights(const Bundle& bundle, std::vector<BundleView>& views) {
     for (const auto& r : residuals.back().projector.colwise()) projector.push_back(r.norm());
   }
   const auto limit = [=](const std::vector<double>& lengths) {
-    return kLongest * std::max(geometry::median(lengths) / kMedianLength, kLeastLength);
+    return kLongest * std::max(median(lengths) / kMedianLength, kLeastLength);
   };
   const double camera_limit = limit(camera);
   const double projector_limit = limit(projector);

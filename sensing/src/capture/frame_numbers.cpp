@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::sensing {
 namespace {
@@ -34,9 +34,7 @@ std::uint64_t NumbersByTime::next(double time) {
   if (any_) {
     const double interval = time - last_time_;
     const bool known = intervals_.size() >= kLeastIntervals;
-    const double usual = known ? geometry::median<double>({intervals_.begin(), intervals_.end()})
-                         : rate_ > 0 ? 1 / rate_
-                                     : interval;
+    const double usual = known ? median(intervals_) : rate_ > 0 ? 1 / rate_ : interval;
     const double steps = usual > 0 ? std::round(interval / usual) : 1;
     number_ += steps > 1 ? static_cast<std::uint64_t>(steps) : 1;
     intervals_.push_back(interval);

@@ -14,7 +14,7 @@
 #include "image/hue.h"
 #include "image/image_plane.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "setup/carrier.h"
 #include "setup/triangulation.h"
 
@@ -168,7 +168,7 @@ float leakage(const Gray& value, const Gray& share, const Gray& fill) {
     }
   }
   if (ratios.empty()) return 0;
-  return std::min(geometry::median(std::move(ratios)), kLitShare);
+  return std::min(median(ratios), kLitShare);
 }
 
 /// Least squares of values = light * brightness * color over the channels, by alternation: color

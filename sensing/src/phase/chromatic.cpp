@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "image/hot_loop.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::sensing {
 namespace {
@@ -186,7 +186,7 @@ class Disagreement {
   [[nodiscard]] double mean(PhaseTexture texture) const {
     if (products_.size() < kLeastProducts) return 0;
     const bool cut = texture == PhaseTexture::disturbs;
-    const double largest = cut ? kLargestProduct * std::max(0.0, geometry::median(products_))
+    const double largest = cut ? kLargestProduct * std::max(0.0, median(products_))
                                : std::numeric_limits<double>::infinity();
     double sum = 0;
     for (const double product : products_) sum += std::clamp(product, -largest, largest);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "image/hot_loop.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::sensing {
 namespace {
@@ -33,9 +34,7 @@ float doubtful_change(const Plane& changes, const DoubtfulChange& limits) {
     if (!std::isnan(size)) sizes.push_back(size);
   }
   if (sizes.empty()) return static_cast<float>(limits.most);
-  const auto median = sizes.begin() + static_cast<long>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), median, sizes.end());
-  const double rare = limits.typicals * static_cast<double>(*median);
+  const double rare = limits.typicals * static_cast<double>(median(sizes));
   return static_cast<float>(std::clamp(rare, limits.least, limits.most));
 }
 

@@ -12,12 +12,13 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "image/image_plane.h"
 #include "palpate/core/error.h"
+#include "palpate/core/quantile.h"
 #include "palpate/core/require.h"
-#include "palpate/geometry/median.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {
@@ -231,12 +232,12 @@ std::optional<Harmonic> summarize(const std::vector<Place>& places, int order) {
   }
   const double least = kLeastMeasuredShare * static_cast<double>(places.size());
   if (values.size() < kLeastPlaces || static_cast<double>(values.size()) < least) return {};
-  Harmonic harmonic{.ratio = geometry::median(values)};
+  Harmonic harmonic{.ratio = median(values)};
   double squares = 0;
   for (std::size_t group = 0; group < kWindowGroups; ++group) {
-    const auto begin = static_cast<std::ptrdiff_t>(values.size() * group / kWindowGroups);
-    const auto end = static_cast<std::ptrdiff_t>(values.size() * (group + 1) / kWindowGroups);
-    const double part = geometry::median<double>({values.begin() + begin, values.begin() + end});
+    const std::size_t begin = values.size() * group / kWindowGroups;
+    const std::size_t end = values.size() * (group + 1) / kWindowGroups;
+    const double part = median(std::span(values).subspan(begin, end - begin));
     squares += (part - harmonic.ratio) * (part - harmonic.ratio);
   }
   harmonic.deviation =
@@ -304,8 +305,8 @@ HarmonicCheck check_harmonics(const cv::Mat& frame, const HarmonicOptions& optio
         std::to_string(2 * kLeastHarmonicPeriod) + " px or more");
   }
   check.places = static_cast<long>(places.size());
-  check.period = 1 / geometry::median(collect(places, &Place::frequency));
-  check.modulation = geometry::median(collect(places, &Place::modulation));
+  check.period = 1 / median(collect(places, &Place::frequency));
+  check.modulation = median(collect(places, &Place::modulation));
   check.second = summarize(places, 2);
   check.third = summarize(places, 3);
   if (!check.second && !check.third) {

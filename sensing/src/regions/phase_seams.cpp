@@ -10,7 +10,7 @@
 
 #include "image/hot_loop.h"
 #include "image/hue.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::sensing {
 namespace {
@@ -126,7 +126,7 @@ std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& l
 /// Result of the crossings from one region to solved ones; empty if there are too few.
 std::optional<RegionOffset> judge(const std::vector<double>& turns, double min_agreement) {
   if (turns.size() < kLeastCrossings) return std::nullopt;
-  const double whole = std::round(geometry::median(turns));
+  const double whole = std::round(median(turns));
   double agreeing = 0;
   double elsewhere = 0;
   double lean = 0;

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <utility>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "setup/baseline.h"
 
 namespace palpate::sensing {
@@ -172,7 +172,7 @@ std::vector<Doubt> range_map_doubts(const geometry::RangeMap& map,
     if (!std::isnan(map.z.data()[i])) depths.push_back(static_cast<double>(map.z.data()[i]));
   }
   if (depths.empty()) return doubts;
-  const double depth = geometry::median(std::move(depths));
+  const double depth = median(depths);
   std::vector<Doubt> more = depth_doubts(depth);
   for (Doubt& doubt : more) {
     if (mm_per_unit) doubt.message += likely_scales(depth, *mm_per_unit);

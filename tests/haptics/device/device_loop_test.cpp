@@ -23,7 +23,7 @@ Eigen::Vector3d reaction_of_sheet(const Eigen::Vector3d& displacement) {
   return -4 * displacement / std::hypot(displacement.norm(), kEpsilon);
 }
 
-probing::ArmDescription some_device() {
+devices::DeviceDescription some_device() {
   return {.name = "some", .highest_force = 10, .continuous_force = 10};
 }
 
@@ -31,10 +31,10 @@ probing::ArmDescription some_device() {
 class Driver {
  public:
   explicit Driver(const DeviceLoopOptions& options = {},
-                  const probing::ArmDescription& device = some_device())
+                  const devices::DeviceDescription& device = some_device())
       : loop(device, options) {}
 
-  TickOutput tick(const Eigen::Vector3d& tip, probing::ArmState state = {},
+  TickOutput tick(const Eigen::Vector3d& tip, devices::DeviceState state = {},
                   bool exchanged = false) {
     now += 1e-3;
     state.tip = tip;
@@ -69,7 +69,7 @@ TEST(DeviceLoop, CommandsTheForceOfPlayback) {
 }
 
 TEST(DeviceLoop, CouplesByTheDevicesDampingAndDelay) {
-  probing::ArmDescription device = some_device();
+  devices::DeviceDescription device = some_device();
   device.damping = 1.5e-3;
   device.delay = 1e-3;
   Driver driver({}, device);
@@ -99,7 +99,7 @@ TEST(DeviceLoop, TurnsForcesIntoTheDevicesFrame) {
 
 TEST(DeviceLoop, ScalesTheWorkspace) {
   DeviceLoopOptions options = kPlain;
-  probing::ArmDescription device = some_device();
+  devices::DeviceDescription device = some_device();
   device.workspace_scale = 5;
   Driver declared(options, device);
   EXPECT_EQ(declared.loop.scale(), 5);
@@ -112,7 +112,7 @@ TEST(DeviceLoop, ScalesTheWorkspace) {
 }
 
 TEST(DeviceLoop, HoldsNoMoreThanTheContinuousForceThatTheDeviceDeclares) {
-  probing::ArmDescription device = some_device();
+  devices::DeviceDescription device = some_device();
   device.continuous_force = 1;
   DeviceLoopOptions options = kPlain;
   options.safety.heating_time = 2;
@@ -122,11 +122,11 @@ TEST(DeviceLoop, HoldsNoMoreThanTheContinuousForceThatTheDeviceDeclares) {
   TickOutput output;
   for (int i = 0; i < 3000; ++i) output = driver.tick(inside);
   EXPECT_NEAR(output.command.force.norm(), 1, 1e-3);
-  EXPECT_NE(output.command.actions & static_cast<std::uint32_t>(SafetyAction::heated), 0U);
+  EXPECT_NE(output.command.actions & static_cast<std::uint32_t>(devices::SafetyAction::heated), 0U);
 }
 
 TEST(DeviceLoop, KeepsTheToolWhileTheClutchIsPressed) {
-  probing::ArmDescription device = some_device();
+  devices::DeviceDescription device = some_device();
   device.clutch_buttons = 4;
   Driver driver(kPlain, device);
   const Eigen::Vector3d inside(3, 4, 705), away(60, 70, 650);
@@ -183,7 +183,7 @@ TEST(DeviceLoop, RampsTheForceAfterAJumpOfThePosition) {
 }
 
 TEST(DeviceLoop, NeverCommandsMoreThanTheDeviceCan) {
-  probing::ArmDescription device = some_device();
+  devices::DeviceDescription device = some_device();
   device.highest_force = 0.7;
   Driver driver(kPlain, device);
   const TickOutput output = driver.move(kAboveSheet, {3, 4, 705}, 10);

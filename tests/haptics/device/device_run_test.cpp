@@ -11,7 +11,7 @@
 #include "device/hooked_device.h"
 #include "device/slow_file.h"
 #include "palpate/core/error.h"
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/simulated_hand.h"
@@ -113,7 +113,7 @@ TEST(DeviceRun, NeitherAllocatesNorReturnsMemoryInItsLoop) {
   SimulatedHand hand(touches());
   HookedDevice device(hand);
   long begin = 0, end = 0;
-  device.after_read = [&](long long number, probing::ArmState& state) {
+  device.after_read = [&](long long number, devices::DeviceState& state) {
     if (number == 20) begin = test::allocations();
     if (number == 980) end = test::allocations();
     if (number % 100 == 50) state.tip.x() = std::numeric_limits<double>::quiet_NaN();
@@ -167,7 +167,7 @@ TEST(DeviceRun, ExchangesTheModelWhileItRuns) {
       times.push_back(static_cast<double>(tick.nanoseconds));
   }
   ASSERT_EQ(times.size(), 5U);
-  EXPECT_LT(geometry::median(times), 1e6);
+  EXPECT_LT(median(times), 1e6);
 }
 
 // 50 ms without a tick: the device drops the force by itself, the loop begins again from zero.
@@ -177,7 +177,7 @@ TEST(DeviceRun, IsWithoutForceAfterAStall) {
   bool stalled = false;
   double in_stall = -1;
   std::vector<double> after;
-  device.after_read = [&](long long number, probing::ArmState& state) {
+  device.after_read = [&](long long number, devices::DeviceState& state) {
     if (number != 700) return true;
     EXPECT_GT(hand.applied_force().norm(), 0.3);
     for (int i = 0; i < 50; ++i) static_cast<void>(hand.read(state));
@@ -185,7 +185,7 @@ TEST(DeviceRun, IsWithoutForceAfterAStall) {
     stalled = true;
     return true;
   };
-  device.on_write = [&](const probing::ArmCommand& command) {
+  device.on_write = [&](const devices::DeviceCommand& command) {
     if (stalled) after.push_back(command.force.norm());
   };
   DeviceRun run(device, sheet(), {}, {.duration = 0.8, .real_time = false});
@@ -202,8 +202,8 @@ TEST(DeviceRun, EndsWithTheWordsOfADeviceThatIsLost) {
   SimulatedHand hand(touches());
   HookedDevice device(hand);
   double last = -1;
-  device.after_read = [](long long number, probing::ArmState&) { return number < 500; };
-  device.on_write = [&](const probing::ArmCommand& command) { last = command.force.norm(); };
+  device.after_read = [](long long number, devices::DeviceState&) { return number < 500; };
+  device.on_write = [&](const devices::DeviceCommand& command) { last = command.force.norm(); };
   DeviceRun run(device, sheet(), {}, {.real_time = false});
   const RunReport report = run.finish();
   EXPECT_EQ(report.device_lost, "it does not answer any more: cable pulled");
@@ -219,11 +219,11 @@ TEST(DeviceRun, TellsADeviceThatIsLostFromOneThatPausesAtTheEnd) {
       HookedDevice device(hand);
       const auto fails = [&](long long number) { return number >= 480 && number < 480 + failing; };
       long long reads = 0;
-      device.after_read = [&](long long number, probing::ArmState&) {
+      device.after_read = [&](long long number, devices::DeviceState&) {
         reads = number;
         return answers || !fails(number);
       };
-      device.takes = [&](const probing::ArmCommand&) { return !answers || !fails(reads); };
+      device.takes = [&](const devices::DeviceCommand&) { return !answers || !fails(reads); };
       DeviceRun run(device, sheet(), {}, {.duration = 0.5, .real_time = false});
       const RunReport report = run.finish();
       EXPECT_EQ(report.refused, answers ? std::min(failing, 100) : 0);

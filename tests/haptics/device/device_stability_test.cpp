@@ -97,7 +97,7 @@ bool stands_still(const HandOptions& options, const CouplingOptions& coupling, d
   const double spring = coupling_stiffness(coupling, options.damping, options.period(),
                                            options.delay * options.period());
   CouplingState state;
-  probing::ArmState measured;
+  devices::DeviceState measured;
   Eigen::Vector3d place;
   constexpr int kTicks = 4000;
   for (int tick = 0; tick < kTicks; ++tick) {

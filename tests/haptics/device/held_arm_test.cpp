@@ -19,7 +19,7 @@ TEST(HeldArm, YieldsToAForceAsTheHandThatHoldsIt) {
   options.torque_noise = options.torque_gain_error = options.force_noise = 0;
   HeldArm arm(stays(), {.mass = 0.1, .damping = 0.005, .stiffness = 0.2}, options);
   arm.activate();
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 0; tick < 1500; ++tick) {
     ASSERT_TRUE(arm.read(state));
     ASSERT_TRUE(arm.write({.force = {0.5, 1, -0.4}}));
@@ -31,7 +31,7 @@ TEST(HeldArm, IsCarriedWhereTheHandWantsIt) {
   const Eigen::Vector3d end = kPlace + Eigen::Vector3d(15, -10, 5);
   HeldArm arm(TimedPath({{0, kPlace}, {0.5, end}}, PathShape::smooth), {.stiffness = 0.5});
   arm.activate();
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 0; tick < 1000; ++tick) {
     ASSERT_TRUE(arm.read(state));
     ASSERT_TRUE(arm.write({}));

@@ -6,25 +6,26 @@
 #include <string>
 
 #include "palpate/core/error.h"
-#include "palpate/probing/arm.h"
+#include "palpate/devices/device.h"
 
 namespace palpate::haptics {
 
 /// Another device with a hook in its functions, to make it fail or to watch it.
-class HookedDevice final : public probing::Arm {
+class HookedDevice final : public devices::Device {
  public:
-  explicit HookedDevice(probing::Arm& device) : device_(device) {}
+  explicit HookedDevice(devices::Device& device) : device_(device) {}
 
   /// Called after each read with its number from 0; returns whether the device answered.
-  std::function<bool(long long, probing::ArmState&)> after_read = [](long long, auto&) {
+  std::function<bool(long long, devices::DeviceState&)> after_read = [](long long, auto&) {
     return true;
   };
   bool armed = false;
   bool unplugged = false;  ///< each read fails at once
-  std::function<void(const probing::ArmCommand&)> on_write = [](const probing::ArmCommand&) {};
-  std::function<bool(const probing::ArmCommand&)> takes = [](const auto&) { return true; };
+  std::function<void(const devices::DeviceCommand&)> on_write = [](const devices::DeviceCommand&) {
+  };
+  std::function<bool(const devices::DeviceCommand&)> takes = [](const auto&) { return true; };
 
-  [[nodiscard]] const probing::ArmDescription& description() const noexcept override {
+  [[nodiscard]] const devices::DeviceDescription& description() const noexcept override {
     return device_.description();
   }
   [[nodiscard]] double now() const noexcept override { return device_.now(); }
@@ -33,10 +34,10 @@ class HookedDevice final : public probing::Arm {
     device_.activate();
     armed = true;
   }
-  [[nodiscard]] bool read(probing::ArmState& state) noexcept override {
+  [[nodiscard]] bool read(devices::DeviceState& state) noexcept override {
     return !unplugged && device_.read(state) && after_read(reads_++, state);
   }
-  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override {
+  [[nodiscard]] bool write(const devices::DeviceCommand& command) noexcept override {
     on_write(command);
     return takes(command) && device_.write(command);
   }
@@ -47,7 +48,7 @@ class HookedDevice final : public probing::Arm {
   [[nodiscard]] std::string last_error() const override { return "cable pulled"; }
 
  private:
-  probing::Arm& device_;
+  devices::Device& device_;
   long long reads_ = 0;
 };
 

@@ -21,11 +21,11 @@
 namespace palpate::haptics {
 namespace {
 
-const probing::ArmDescription kDevice{.name = "a \"device\"",
-                                      .highest_force = 4,
-                                      .continuous_force = 4,
-                                      .damping = 1.0 / 3 * 1e-3,
-                                      .delay = 1e-3};
+const devices::DeviceDescription kDevice{.name = "a \"device\"",
+                                         .highest_force = 4,
+                                         .continuous_force = 4,
+                                         .damping = 1.0 / 3 * 1e-3,
+                                         .delay = 1e-3};
 
 DeviceLoopOptions some_options() {
   DeviceLoopOptions options;
@@ -131,7 +131,7 @@ TEST_F(LoopRecordTest, RefusesWhatIsNoRecord) {
 }
 
 TEST_F(LoopRecordTest, ReplacesLettersOfANameThatAreNotUnicode) {
-  probing::ArmDescription device = kDevice;
+  devices::DeviceDescription device = kDevice;
   device.name = "caf\xe9";  // Latin-1
   LoopRecorder(folder / "loop.bin", device, some_options()).finish();
   EXPECT_EQ(read_loop_record(folder / "loop.bin").device.name, "caf\xef\xbf\xbd");

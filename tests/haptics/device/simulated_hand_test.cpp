@@ -16,7 +16,7 @@ TimedPath rest() { return TimedPath({{0, Eigen::Vector3d::Zero()}}); }
 TEST(SimulatedHand, FallsFreely) {
   SimulatedHand hand(
       rest(), {.mass = 0.1, .damping = 0, .stiffness = 0, .push = {0, 0, -1}, .encoder_step = 0});
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 1; tick <= 100; ++tick) {
     ASSERT_TRUE(hand.read(state));
     const double time = 1e-3 * tick;
@@ -32,7 +32,7 @@ TEST(SimulatedHand, SwingsAsADampedOscillator) {
   const double mass = 1e-3 * options.mass;
   const double decay = options.damping / (2 * mass);
   const double turn = std::sqrt(options.stiffness / mass - decay * decay);
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 1; tick <= 500; ++tick) {
     ASSERT_TRUE(hand.read(state));
     const double time = 1e-3 * tick;
@@ -47,7 +47,7 @@ TEST(SimulatedHand, IsHeldByFrictionUpToItsForce) {
   for (const double push : {0.09, 0.11}) {
     SimulatedHand hand(rest(),
                        {.friction = 0.1, .stiffness = 0, .push = {0, 0.6 * push, 0.8 * push}});
-    probing::ArmState state;
+    devices::DeviceState state;
     for (int tick = 0; tick < 100; ++tick) ASSERT_TRUE(hand.read(state));
     EXPECT_EQ(hand.position().norm() > 0, push > 0.1) << push;
   }
@@ -64,7 +64,7 @@ TEST(SimulatedHand, StopsByFrictionAfterTheWayThatItsEnergyLasts) {
                             .delay = 0};
   SimulatedHand hand(rest(), options);
   hand.activate();
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 0; tick < 2500; ++tick) {
     if (tick < 100) {
       ASSERT_TRUE(
@@ -82,7 +82,7 @@ TEST(SimulatedHand, StopsByFrictionAfterTheWayThatItsEnergyLasts) {
 
 TEST(SimulatedHand, FollowsItsWish) {
   SimulatedHand hand(TimedPath({{0, {0, 0, 0}}, {1, {20, 0, 0}}}, PathShape::smooth));
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 0; tick < 1500; ++tick) ASSERT_TRUE(hand.read(state));
   EXPECT_NEAR(state.tip.x(), 20, 0.05);
 }
@@ -92,7 +92,7 @@ TEST(SimulatedHand, FeelsAForceAfterItsDelay) {
     SimulatedHand hand(rest(), {.delay = delay});
     EXPECT_EQ(hand.description().delay, 1e-3 * delay);
     hand.activate();
-    probing::ArmState state;
+    devices::DeviceState state;
     ASSERT_TRUE(hand.read(state));
     for (int tick = 0; tick < 10; ++tick) {
       ASSERT_TRUE(hand.write({.force = {0, 0, 1.0 + tick}}));
@@ -106,7 +106,7 @@ TEST(SimulatedHand, FeelsAForceAfterItsDelay) {
 TEST(SimulatedHand, DropsTheForceWhenTheLeaseEnds) {
   SimulatedHand hand(rest(), {.delay = 1});
   hand.activate();
-  probing::ArmState state;
+  devices::DeviceState state;
   ASSERT_TRUE(hand.read(state));
   ASSERT_TRUE(hand.write({.force = {0, 0, 1}, .lease = 0.01}));
   int felt = 0;
@@ -122,7 +122,7 @@ TEST(SimulatedHand, DropsTheForceWhenTheLeaseEnds) {
 
 TEST(SimulatedHand, ReadsQuantisedEncoders) {
   SimulatedHand hand(rest(), {.push = {0.3, 0, 0}, .encoder_step = 0.05});
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 0; tick < 100; ++tick) {
     ASSERT_TRUE(hand.read(state));
     EXPECT_NEAR(state.tip.x() / 0.05, std::round(state.tip.x() / 0.05), 1e-9);
@@ -136,7 +136,7 @@ TEST(SimulatedHand, FeelsNothingUnlessItIsArmed) {
   hand.activate();
   ASSERT_TRUE(hand.write({.force = {0, 0, 1}}));
   hand.stop();
-  probing::ArmState state;
+  devices::DeviceState state;
   ASSERT_TRUE(hand.read(state));
   EXPECT_EQ(hand.applied_force(), Eigen::Vector3d::Zero());
 }

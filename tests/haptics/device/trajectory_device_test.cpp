@@ -16,7 +16,7 @@ const std::vector<TrajectoryPoint> kLine = {{0, {0, 0, 0}}, {0.1, {0, 0, 10}}};
 TEST(TrajectoryDevice, FollowsItsPathOnItsOwnClock) {
   TrajectoryDevice device{TimedPath(kLine)};
   device.activate();
-  probing::ArmState state;
+  devices::DeviceState state;
   for (int tick = 0; tick < 200; ++tick) {
     ASSERT_TRUE(device.read(state));
     EXPECT_EQ(state.time, device.now());
@@ -28,7 +28,7 @@ TEST(TrajectoryDevice, FollowsItsPathOnItsOwnClock) {
 TEST(TrajectoryDevice, KeepsTheHostsTime) {
   TrajectoryDevice device(TimedPath(kLine), {.real_time = true});
   EXPECT_TRUE(device.description().real_time);
-  probing::ArmState state;
+  devices::DeviceState state;
   const auto begin = std::chrono::steady_clock::now();
   for (int tick = 0; tick < 20; ++tick) ASSERT_TRUE(device.read(state));
   EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::microseconds(19900));

@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "palpate/geometry/median.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::haptics {
 namespace {
@@ -49,7 +49,7 @@ double least_noise(const std::vector<ForceSamples>& contacts) {
   std::vector<double> largest;
   for (const ForceSamples& contact : contacts)
     largest.push_back(contact.forces.colwise().norm().maxCoeff());
-  return 0.004 * geometry::median(largest);
+  return 0.004 * median(largest);
 }
 
 TEST(EstimatedForceNoise, ExplainsTheErrorsOfTheFields) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/shared_local_part.h"
+#include "palpate/core/quantile.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,11 +25,6 @@ using ::testing::HasSubstr;
 // A coarse search for the friction boundary: some 60 pairs at a dense contact, 12 at a sparse one.
 const support::StripProbing kDense{.directions = 6, .resolution = 0.4, .seed = 17};
 const std::vector<std::size_t> kDenseContacts{1, 3, 6, 8, 10};
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
 
 // Of twelve contacts of a beam five are dense.
 struct BeamSet {

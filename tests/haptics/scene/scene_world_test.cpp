@@ -48,7 +48,7 @@ TimedPath touches() {
                    PathShape::smooth);
 }
 
-probing::ArmDescription strong_device() {
+devices::DeviceDescription strong_device() {
   return {.name = "some", .highest_force = 10, .continuous_force = 10};
 }
 

@@ -31,17 +31,19 @@ const std::shared_ptr<const Specimen> kElasticBody =
 const Vector3d kProbedPlace(10, -12, 700), kTowardsArm(0, 0, -1);
 
 /// Between an arm and its program something may go wrong, from one state on.
-class BreakingArm final : public Arm {
+class BreakingArm final : public devices::Device {
  public:
   enum class Break { none, silent, jump, late, not_finite, dead_force };
 
-  explicit BreakingArm(Arm& arm) : arm_(arm) {}
+  explicit BreakingArm(devices::Device& arm) : arm_(arm) {}
   void begin(Break what) { what_ = what, age_ = 0; }
 
-  const ArmDescription& description() const noexcept override { return arm_.description(); }
+  const devices::DeviceDescription& description() const noexcept override {
+    return arm_.description();
+  }
   double now() const noexcept override { return arm_.now() + skipped_; }
   void activate() override { arm_.activate(); }
-  bool read(ArmState& state) noexcept override {
+  bool read(devices::DeviceState& state) noexcept override {
     if (before_read) before_read(reads);
     ++reads;
     if (!arm_.read(state)) return false;
@@ -67,7 +69,7 @@ class BreakingArm final : public Arm {
     }
     return true;
   }
-  bool write(const ArmCommand& command) noexcept override {
+  bool write(const devices::DeviceCommand& command) noexcept override {
     force = command.force;
     return arm_.write(command);
   }
@@ -82,7 +84,7 @@ class BreakingArm final : public Arm {
   std::function<void(int)> before_read;
 
  private:
-  Arm& arm_;
+  devices::Device& arm_;
   Break what_ = Break::none;
   int age_ = 0;
   double skipped_ = 0;
@@ -90,7 +92,8 @@ class BreakingArm final : public Arm {
 
 /// A prober on a virtual arm over the body.
 struct ProbingRig {
-  explicit ProbingRig(const Specimen& specimen = *kElasticBody, const EmergencyStop* stop = nullptr)
+  explicit ProbingRig(const Specimen& specimen = *kElasticBody,
+                      const devices::EmergencyStop* stop = nullptr)
       : options(support::prober_over(specimen)),
         arm(&specimen, support::virtual_arm_for(options)),
         breaking(arm),
@@ -307,7 +310,7 @@ TEST(ArmProber, BrakesATipThatFallsOffTheBorderSoThatTheArmGoesOn) {
                        .normal_force = {-0.10, 0, 1.47},
                        .tangential_force = {0.28, -2.51, 0.02}};
   EXPECT_EQ(run_trial(rig.prober, off, {}).outcome, TrialOutcome::fell_off);
-  EXPECT_EQ(rig.prober.arm().fault(), ArmFault::none);
+  EXPECT_EQ(rig.prober.arm().fault(), devices::DeviceFault::none);
 }
 
 TEST(ArmProber, FindsNoContactWhereThereIsNone) {
@@ -325,12 +328,12 @@ TEST(ArmProber, SaysThatItDidNotArriveWhereTheArmCannotReach) {
 
 TEST(ArmProber, AFaultInAnyActionEndsItNamesItselfAndTheNextTrialWorks) {
   using Break = BreakingArm::Break;
-  const std::vector<std::pair<Break, ArmFault>> faults = {
-      {Break::silent, ArmFault::no_answer},
-      {Break::jump, ArmFault::jump},
-      {Break::late, ArmFault::late},
-      {Break::not_finite, ArmFault::state_not_finite},
-      {Break::dead_force, ArmFault::force_exactly_zero}};
+  const std::vector<std::pair<Break, devices::DeviceFault>> faults = {
+      {Break::silent, devices::DeviceFault::no_answer},
+      {Break::jump, devices::DeviceFault::jump},
+      {Break::late, devices::DeviceFault::late},
+      {Break::not_finite, devices::DeviceFault::state_not_finite},
+      {Break::dead_force, devices::DeviceFault::force_exactly_zero}};
   ProbingRig rig;
   long long trial = 0;
   for (const auto& [what, fault] : faults) {
@@ -368,7 +371,7 @@ TEST(ArmProber, AFaultInAnyActionEndsItNamesItselfAndTheNextTrialWorks) {
 }
 
 TEST(ArmProber, AnEmergencyStopTakesTheForceAwayWithinTwoTicks) {
-  EmergencyStop stop;
+  devices::EmergencyStop stop;
   ProbingRig rig(*kElasticBody, &stop);
   constexpr int kPressedAt = 3000;  // [ticks] the tip then holds above the body
   rig.breaking.before_read = [&](int reads) {
@@ -378,7 +381,7 @@ TEST(ArmProber, AnEmergencyStopTakesTheForceAwayWithinTwoTicks) {
     static_cast<void>(run_trial(rig.prober, pull_at(0, kProbedPlace, kTowardsArm, 0.5, 0.2), {}));
     ADD_FAILURE() << "a result came out";
   } catch (const ArmStopped& stopped) {
-    EXPECT_EQ(stopped.fault, ArmFault::emergency_stop);
+    EXPECT_EQ(stopped.fault, devices::DeviceFault::emergency_stop);
   }
   EXPECT_LE(rig.breaking.reads - kPressedAt, 2);
   EXPECT_TRUE(rig.breaking.stopped);
@@ -389,23 +392,25 @@ TEST(ArmProber, AnEmergencyStopTakesTheForceAwayWithinTwoTicks) {
 }
 
 /// A virtual arm whose clock goes on, as far as the prober knows.
-class RealTimeArm final : public Arm {
+class RealTimeArm final : public devices::Device {
  public:
-  explicit RealTimeArm(Arm& arm) : arm_(arm), description_(arm.description()) {
+  explicit RealTimeArm(devices::Device& arm) : arm_(arm), description_(arm.description()) {
     description_.real_time = true;
   }
-  const ArmDescription& description() const noexcept override { return description_; }
+  const devices::DeviceDescription& description() const noexcept override { return description_; }
   double now() const noexcept override { return arm_.now(); }
   void activate() override { arm_.activate(); }
   void begin_trial(long long) noexcept override { reads = 0; }
-  bool read(ArmState& state) noexcept override {
+  bool read(devices::DeviceState& state) noexcept override {
     if (broken || !arm_.read(state)) return false;
     if (watched) furthest = std::max(furthest.load(), (state.tip - place).norm());
     place = watched ? place : state.tip;
     ++reads;
     return true;
   }
-  bool write(const ArmCommand& command) noexcept override { return arm_.write(command); }
+  bool write(const devices::DeviceCommand& command) noexcept override {
+    return arm_.write(command);
+  }
   void stop() noexcept override { arm_.stop(); }
 
   std::atomic<int> reads = 0;  // since the trial began
@@ -414,8 +419,8 @@ class RealTimeArm final : public Arm {
   Vector3d place = Vector3d::Zero();
 
  private:
-  Arm& arm_;
-  ArmDescription description_;
+  devices::Device& arm_;
+  devices::DeviceDescription description_;
 };
 
 TEST(ArmProber, HoldsAnArmWithARealClockBetweenTrials) {

@@ -119,7 +119,7 @@ class Press {
   ArmGeometry geometry_;
   GravityModel gravity_;
   JointController controller_;
-  ArmState state_;
+  devices::DeviceState state_;
   Eigen::Vector3d target_, target_joints_, surface_;
   Eigen::Vector3d speed_ = Eigen::Vector3d::Zero();  // [mm/s] smoothed
 };
@@ -186,7 +186,7 @@ TEST(ForceCompensation, HoldsAnArmWithoutFrictionAnywhereAlsoOnATiltedBase) {
     options.joints = joints;
     VirtualArm arm(nullptr, options);
     arm.activate();
-    ArmState state;
+    devices::DeviceState state;
     ASSERT_TRUE(arm.read(state));
     const Eigen::Vector3d begin = state.tip;
     for (int i = 0; i < 100; ++i) {

@@ -32,9 +32,9 @@ VirtualArmOptions ideal_arm() {
   return options;
 }
 
-ArmState next_state(VirtualArm& arm, const Eigen::Vector3d& force) {
+devices::DeviceState next_state(VirtualArm& arm, const Eigen::Vector3d& force) {
   EXPECT_TRUE(arm.write({.force = force}));
-  ArmState state;
+  devices::DeviceState state;
   EXPECT_TRUE(arm.read(state));
   return state;
 }
@@ -69,7 +69,7 @@ TEST(VirtualArm, KeepsItsEnergyInFreeMotion) {
   options.joints = {0.2, 0.5, 0.1};
   VirtualArm arm(nullptr, options);
   std::vector<Eigen::Vector3d> joints;
-  ArmState state;
+  devices::DeviceState state;
   for (int i = 0; i < 300; ++i) {
     ASSERT_TRUE(arm.read(state));
     joints.push_back(state.joints);
@@ -100,7 +100,7 @@ TEST(VirtualArm, RestsOnTheSpecimenWhereItsTruthSays) {
   arm.activate();
   for (const double pressing : {0.3, 1.2, 0.5}) {
     const Eigen::Vector3d force(0.2, -pressing, -0.1);
-    ArmState state;
+    devices::DeviceState state;
     for (int i = 0; i < 1500; ++i) state = next_state(arm, force);
     const VirtualArmTruth& truth = arm.truth();
     ASSERT_TRUE(truth.in_contact);
@@ -207,7 +207,7 @@ TEST(VirtualArm, RestsAfterSecondsAtItsHighestForceAndNeverBelowItsContinuousFor
     arm.activate();
     double tripped = 0;
     for (int i = 0; i < 12000 && tripped == 0; ++i) {
-      const ArmState state = next_state(arm, {0, -force, 0});
+      const devices::DeviceState state = next_state(arm, {0, -force, 0});
       if (i > 100 && state.delivered_force.norm() < force / 2) tripped = state.time;
     }
     // du/dt = ((F / F_continuous)^2 - u) / T reaches 1
@@ -224,7 +224,7 @@ TEST(VirtualArm, DropsTheForceWhenTheLeaseEnds) {
   VirtualArm arm(nullptr, VirtualArmOptions{});
   arm.activate();
   ASSERT_TRUE(arm.write({.force = {0, 1, 0}, .lease = 0.005}));
-  ArmState state;
+  devices::DeviceState state;
   for (int i = 1; i <= 10; ++i) {
     ASSERT_TRUE(arm.read(state));
     EXPECT_NEAR(state.delivered_force.norm(), i <= 5 ? 1 : 0, 0.05) << i;
@@ -239,7 +239,7 @@ TEST(VirtualArm, RepeatsItselfBitByBitAndItsNoiseFollowsTheSample) {
     VirtualArm arm(nullptr, options);
     arm.activate();
     arm.begin_sample(sample);
-    ArmState state;
+    devices::DeviceState state;
     for (int i = 0; i < 50; ++i) state = next_state(arm, {0.1, 0.6, 0});
     return state.delivered_force;
   };
@@ -259,8 +259,8 @@ TEST(VirtualArm, GoesOnFromItsMemoryBitByBit) {
   EXPECT_EQ(resumed.now(), whole.now());
   for (VirtualArm* arm : {&whole, &resumed}) arm->activate();
   for (int i = 0; i < 100; ++i) {
-    const ArmState expected = next_state(whole, {0, 0.6, 0}),
-                   found = next_state(resumed, {0, 0.6, 0});
+    const devices::DeviceState expected = next_state(whole, {0, 0.6, 0}),
+                               found = next_state(resumed, {0, 0.6, 0});
     ASSERT_EQ(found.joints, expected.joints) << i;
     ASSERT_EQ(found.delivered_force, expected.delivered_force) << i;
     ASSERT_EQ(found.heat, expected.heat) << i;
@@ -306,7 +306,7 @@ TEST(VirtualArm, SaysWhyTheObjectDoesNotAnswer) {
   VirtualArm arm(&broken, options);
   EXPECT_EQ(arm.last_error(), "");
   arm.activate();
-  ArmState state;
+  devices::DeviceState state;
   bool answers = true;
   for (int i = 0; i < 5000 && answers; ++i) {
     answers = arm.read(state);

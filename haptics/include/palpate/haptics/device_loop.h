@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "palpate/devices/device.h"
+#include "palpate/devices/safety_filter.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/passivity_observer.h"
 #include "palpate/haptics/playback.h"
-#include "palpate/haptics/safety_filter.h"
 #include "palpate/haptics/tool_world.h"
 #include "palpate/haptics/virtual_coupling.h"
-#include "palpate/probing/arm.h"
 
 namespace palpate::haptics {
 
@@ -25,7 +25,7 @@ struct DeviceLoopOptions {
   std::optional<double> scale = {};
   /// Bits of the buttons that clutch, besides those that the device declares.
   std::uint32_t clutch_buttons = 0;
-  SafetyOptions safety = {};
+  devices::SafetyOptions safety = {};
   CouplingOptions coupling = {};
 };
 
@@ -34,12 +34,12 @@ struct TickInput {
   double now = 0;          ///< [s] on the device's clock, after the read
   bool answered = true;    ///< the device gave a state
   bool exchanged = false;  ///< the model is another one than in the tick before
-  probing::ArmState state = {};
+  devices::DeviceState state = {};
 };
 
 /// The output of the loop in one tick.
 struct TickOutput {
-  SafeCommand command;                                ///< for the device, in the frame of its base
+  devices::SafeCommand command;                       ///< for the device, in the frame of its base
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();     ///< [mm] world, on the coupling's far side
   Eigen::Vector3d contact = Eigen::Vector3d::Zero();  ///< [mm] as in `Command`
   ContactState state = ContactState::free;
@@ -51,7 +51,8 @@ struct TickOutput {
 class DeviceLoop {
  public:
   /// \throws InvalidInput on an option outside its range.
-  explicit DeviceLoop(const probing::ArmDescription& device, const DeviceLoopOptions& options = {});
+  explicit DeviceLoop(const devices::DeviceDescription& device,
+                      const DeviceLoopOptions& options = {});
 
   [[nodiscard]] TickOutput tick(const Playback& playback, const TickInput& input) noexcept;
   /// The same with a world, which must be the same in all ticks.
@@ -75,7 +76,7 @@ class DeviceLoop {
   double scale_;
   std::uint32_t clutch_buttons_;
   double spring_;  // [N/mm] in the world
-  SafetyFilter safety_;
+  devices::SafetyFilter safety_;
   PassivityObserver observer_;
   CouplingState coupling_;
   ModelWorld model_;

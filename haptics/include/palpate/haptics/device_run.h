@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "palpate/devices/real_time.h"
 #include "palpate/haptics/device_loop.h"
 #include "palpate/haptics/tick_statistics.h"
-#include "palpate/probing/real_time.h"
 
 namespace palpate::haptics {
 
@@ -25,7 +25,7 @@ struct RunOptions {
   /// The thread asks for SCHED_FIFO. With it, or with a device on the host's clock, the loop never
   /// waits for the record.
   bool real_time = true;
-  int priority = probing::kRealTimePriority;  ///< of SCHED_FIFO, 1 to 99
+  int priority = devices::kRealTimePriority;  ///< of SCHED_FIFO, 1 to 99
   std::filesystem::path record = {};          ///< file of `LoopRecorder`; empty: none
   std::string session = {};                   ///< for the record
   std::vector<ModelExchange> exchanges = {};  ///< in the order of time
@@ -38,7 +38,7 @@ struct RunReport {
   TickStatistics time;
   GivenEnergy given;
   /// Ticks with each bit of `SafetyAction`, from the lowest.
-  std::array<long long, kSafetyActions> actions{};
+  std::array<long long, devices::kSafetyActions> actions{};
   std::array<long long, 3> states{};  ///< ticks of each `ContactState`
   double largest_force = 0;           ///< [N] that was commanded
   double largest_displacement = 0;    ///< [mm] of the tool from the contact, in the world
@@ -56,10 +56,10 @@ class DeviceRun {
   /// Arms the device and starts. `device` must outlive the run, and nobody else may use it.
   /// \throws InvalidInput on an option outside its range, DeviceError if the device cannot be armed,
   /// OutputError if the record cannot be written.
-  DeviceRun(probing::Arm& device, std::shared_ptr<const Playback> model,
+  DeviceRun(devices::Device& device, std::shared_ptr<const Playback> model,
             const DeviceLoopOptions& loop = {}, const RunOptions& options = {});
   /// The same with a world, such as a scene, whose models stay the same.
-  DeviceRun(probing::Arm& device, std::shared_ptr<ToolWorld> world,
+  DeviceRun(devices::Device& device, std::shared_ptr<ToolWorld> world,
             const DeviceLoopOptions& loop = {}, const RunOptions& options = {});
   /// Stops the loop and disarms the device.
   ~DeviceRun();

@@ -12,7 +12,7 @@ namespace palpate::haptics {
 
 /// The simulated arm of probing as a haptic device: with joints, friction, encoders and motors that
 /// heat, its tip held by a hand. The arm's gravity is taken as compensated by its driver.
-class HeldArm final : public probing::Arm {
+class HeldArm final : public devices::Device {
  public:
   /// \param wish where the hand wants the tip, in the frame of the arm's base.
   /// \param hand its mass, damping, stiffness and push; the rest is the arm's own. The simulation is
@@ -23,11 +23,11 @@ class HeldArm final : public probing::Arm {
                    probing::VirtualArmOptions arm = {});
   ~HeldArm() override;
 
-  [[nodiscard]] const probing::ArmDescription& description() const noexcept override;
+  [[nodiscard]] const devices::DeviceDescription& description() const noexcept override;
   [[nodiscard]] double now() const noexcept override;
   void activate() override;
-  [[nodiscard]] bool read(probing::ArmState& state) noexcept override;
-  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override;
+  [[nodiscard]] bool read(devices::DeviceState& state) noexcept override;
+  [[nodiscard]] bool write(const devices::DeviceCommand& command) noexcept override;
   void stop() noexcept override;
   [[nodiscard]] std::string last_error() const override;
 

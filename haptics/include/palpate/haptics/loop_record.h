@@ -44,7 +44,7 @@ class LoopRecorder {
  public:
   /// \param session further text that a replay needs.
   /// \throws OutputError if the file cannot be written.
-  LoopRecorder(const std::filesystem::path& path, const probing::ArmDescription& device,
+  LoopRecorder(const std::filesystem::path& path, const devices::DeviceDescription& device,
                const DeviceLoopOptions& options, const std::string& session = {});
   ~LoopRecorder();
 
@@ -62,7 +62,7 @@ class LoopRecorder {
 };
 
 struct LoopRecord {
-  probing::ArmDescription device = {};
+  devices::DeviceDescription device = {};
   DeviceLoopOptions options = {};
   std::string session = {};
   std::vector<TickRecord> ticks = {};

@@ -6,9 +6,9 @@
 #include <memory>
 
 #include "palpate/core/fields.h"
+#include "palpate/devices/device.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/haptics/timed_path.h"
-#include "palpate/probing/arm.h"
 
 namespace palpate::haptics {
 
@@ -34,18 +34,18 @@ void visit(HandOptions& options, FieldVisitor& visitor);
 /// A simulated hand, which closes the loop. Between two ticks its motion is exact for a constant
 /// force. Dry friction is such a force: against the speed at the end of the tick, which is zero if
 /// less than `friction` stops the hand. Equal commands give equal states, bit by bit.
-class SimulatedHand final : public probing::Arm {
+class SimulatedHand final : public devices::Device {
  public:
   /// \param wish where the hand wants to be; it begins there, at rest.
   /// \throws InvalidInput on an option outside its range.
   explicit SimulatedHand(TimedPath wish, const HandOptions& options = {});
   ~SimulatedHand() override;
 
-  [[nodiscard]] const probing::ArmDescription& description() const noexcept override;
+  [[nodiscard]] const devices::DeviceDescription& description() const noexcept override;
   [[nodiscard]] double now() const noexcept override;
   void activate() override;
-  [[nodiscard]] bool read(probing::ArmState& state) noexcept override;
-  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override;
+  [[nodiscard]] bool read(devices::DeviceState& state) noexcept override;
+  [[nodiscard]] bool write(const devices::DeviceCommand& command) noexcept override;
   void stop() noexcept override;
 
   /// Values that encoders do not show: the position [mm], and the present force [N] of the motors.

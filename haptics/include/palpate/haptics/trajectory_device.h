@@ -4,8 +4,8 @@
 
 #include <memory>
 
+#include "palpate/devices/device.h"
 #include "palpate/haptics/timed_path.h"
-#include "palpate/probing/arm.h"
 
 namespace palpate::haptics {
 
@@ -17,17 +17,17 @@ struct TrajectoryDeviceOptions {
 
 /// A device that follows a path whatever force it is commanded: scripted (`PathShape::smooth`) or
 /// recorded (`PathShape::linear`). Its first state is the beginning of the path.
-class TrajectoryDevice final : public probing::Arm {
+class TrajectoryDevice final : public devices::Device {
  public:
   /// \throws InvalidInput on an option outside its range.
   explicit TrajectoryDevice(TimedPath path, const TrajectoryDeviceOptions& options = {});
   ~TrajectoryDevice() override;
 
-  [[nodiscard]] const probing::ArmDescription& description() const noexcept override;
+  [[nodiscard]] const devices::DeviceDescription& description() const noexcept override;
   [[nodiscard]] double now() const noexcept override;
   void activate() override;
-  [[nodiscard]] bool read(probing::ArmState& state) noexcept override;
-  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override;
+  [[nodiscard]] bool read(devices::DeviceState& state) noexcept override;
+  [[nodiscard]] bool write(const devices::DeviceCommand& command) noexcept override;
   void stop() noexcept override;
 
  private:

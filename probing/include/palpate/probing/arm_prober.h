@@ -10,21 +10,22 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/devices/device.h"
+#include "palpate/devices/safe_device.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/approach_signal.h"
-#include "palpate/probing/arm.h"
 #include "palpate/probing/contact_detection.h"
 #include "palpate/probing/force_compensation.h"
 #include "palpate/probing/gravity_calibration.h"
 #include "palpate/probing/prober.h"
-#include "palpate/probing/safe_arm.h"
 
 namespace palpate::probing {
 
 /// A fault, or an emergency stop, ended what an arm did. Its motors are off.
 struct ArmStopped : DeviceError {
-  ArmStopped(const std::string& message, ArmFault reason) : DeviceError(message), fault(reason) {}
-  ArmFault fault;
+  ArmStopped(const std::string& message, devices::DeviceFault reason)
+      : DeviceError(message), fault(reason) {}
+  devices::DeviceFault fault;
 };
 
 /// A part of the force, besides gravity, which is added so that the friction of the joints does not
@@ -41,7 +42,7 @@ struct ArmProberOptions {
   Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
   GravityCalibration calibration;  ///< its geometry and gains are those of this struct
   JointGains gains;
-  SafetyLimits limits;
+  devices::SafetyLimits limits;
   ContactOptions contact;
   /// [N/mm] between the encoders and the tip; > 0. Its deflection is subtracted from each position.
   double structure = 3.5;
@@ -88,10 +89,10 @@ struct AppliedForce {
   ProbeActionKind kind{};     ///< press, drag or release
   Eigen::Vector3d commanded;  ///< [N]
   Eigen::Vector3d internal;   ///< [N] that was added against internal forces, besides gravity
-  Eigen::Vector3d reference;  ///< [N] mean of `ArmState::reference_force` meanwhile
+  Eigen::Vector3d reference;  ///< [N] mean of `DeviceState::reference_force` meanwhile
 };
 
-/// Performs the actions of a campaign on an arm, through a `SafeArm` (thesis 4.4).
+/// Performs the actions of a campaign on an arm, through a `SafeDevice` (thesis 4.4).
 ///
 /// Travel and lift are joint control along straight lines; travel then waits until the motors are
 /// cool enough for the coming force. A touch comes along the coming force, stops in free space to
@@ -111,8 +112,8 @@ class ArmProber final : public Prober {
   /// \param gravity of an earlier calibration; otherwise call `calibrate` first.
   /// \throws InvalidInput if an option is outside its range.
   /// \throws DeviceError if the arm does not measure its joints.
-  ArmProber(Arm& arm, const ArmProberOptions& options,
-            const EmergencyStop* emergency_stop = nullptr,
+  ArmProber(devices::Device& arm, const ArmProberOptions& options,
+            const devices::EmergencyStop* emergency_stop = nullptr,
             const std::optional<GravityModel>& gravity = std::nullopt);
   ~ArmProber() override;
 
@@ -132,7 +133,7 @@ class ArmProber final : public Prober {
   /// \throws InvalidInput if gravity is not known.
   [[nodiscard]] ProbeReport perform(const ProbeAction& action) override;
 
-  [[nodiscard]] const SafeArm& arm() const;
+  [[nodiscard]] const devices::SafeDevice& arm() const;
 
  private:
   struct Impl;

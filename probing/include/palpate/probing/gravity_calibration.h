@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "palpate/devices/device.h"
 #include "palpate/geometry/eigen_alignment.h"
-#include "palpate/probing/arm.h"
 #include "palpate/probing/force_compensation.h"
 #include "palpate/probing/joint_controller.h"
 
@@ -29,7 +29,7 @@ struct GravityCalibration {
 /// minutes.
 /// \throws InvalidInput on an option outside its range.
 /// \throws DeviceError if the arm stops, or does not measure its joints.
-[[nodiscard]] std::vector<HeldPose> hold_poses(Arm& arm,
+[[nodiscard]] std::vector<HeldPose> hold_poses(devices::Device& arm,
                                                const GravityCalibration& calibration = {});
 
 }  // namespace palpate::probing

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "palpate/devices/device.h"
 #include "palpate/geometry/eigen_alignment.h"
-#include "palpate/probing/arm.h"
 #include "palpate/probing/arm_kinematics.h"
 #include "palpate/probing/specimen.h"
 
@@ -73,19 +73,19 @@ struct VirtualArmMemory {
 
 /// A simulated arm on a specimen: dynamics at 10 kHz, states at 1 kHz, on its own clock. Equal
 /// seeds, samples and commands give equal states, bit by bit.
-class VirtualArm final : public Arm {
+class VirtualArm final : public devices::Device {
  public:
   /// \param specimen may be null: the arm is then in free space. It must outlive the arm.
   /// \throws InvalidInput on an option outside its range.
   explicit VirtualArm(const Specimen* specimen, const VirtualArmOptions& options = {});
   ~VirtualArm() override;
 
-  [[nodiscard]] const ArmDescription& description() const noexcept override;
+  [[nodiscard]] const devices::DeviceDescription& description() const noexcept override;
   [[nodiscard]] double now() const noexcept override;
   void activate() override;
   /// Simulates one period, then measures. False if the specimen has no equilibrium.
-  [[nodiscard]] bool read(ArmState& state) noexcept override;
-  [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
+  [[nodiscard]] bool read(devices::DeviceState& state) noexcept override;
+  [[nodiscard]] bool write(const devices::DeviceCommand& command) noexcept override;
   void stop() noexcept override;
   /// The reason why the specimen has no equilibrium.
   [[nodiscard]] std::string last_error() const override;
