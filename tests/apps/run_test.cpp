@@ -190,6 +190,71 @@ TEST_F(Run, StepsAreSkippedIfAnEarlierOneMakesTheSameAgain) {
             "mesh done, import unchanged, fit unchanged, play unchanged, export unchanged");
 }
 
+TEST_F(Run, FollowsASurfaceThroughDepthImages) {
+  for (const char* name : {"000000.png", "000001.png", "000002.png"}) {
+    fs::create_directories(scratch / "depth");
+    fs::copy(demo("depth_sequence/depth/") + name, scratch / ("depth/" + std::string(name)));
+  }
+  fs::copy(demo("depth_sequence/camera.json"), scratch / "camera.json");
+  const std::string camera = "rig: camera.json, scale: 1";
+  write_project("motion: {rate: 30}\nexport: {html: true}\ntrack: {range_folder: depth, " + camera +
+                "}\nfuse: {scan: depth/000000.png, spacing: 4, " + camera + "}\n");
+  const CommandResult first = run();
+  ASSERT_EQ(first.status, kDone) << first.err;
+  EXPECT_THAT(first.out, AllOf(HasSubstr("triangles of 1 scan "), HasSubstr("3 of 3 frames, RMS"),
+                               HasSubstr("3 meshes"), HasSubstr("motion.html"),
+                               HasSubstr("4 steps: 4 done\n")));
+  // The reference is what was fused.
+  const auto triangles = [&](const char* mesh) {
+    return json::parse(run_palpate({"info", scratch / mesh, "--json"}).out).at("triangles");
+  };
+  EXPECT_EQ(triangles("tracked/000000.ply"), triangles("fused.ply"));
+  EXPECT_EQ(statuses(), "fuse unchanged, track unchanged, motion unchanged, export unchanged");
+}
+
+// Options of 'palpate cloud' are steps: a plane is found before or after points are left out.
+TEST_F(Run, DoesTheStepsOfACloudInTheOrderOfTheFile) {
+  const std::string point = "cloud: {points: scan.ply, ";
+  write_project(point + "voxel: 2, outliers: 3}");
+  const auto steps_of = [](const json& entry) {
+    std::string names;
+    for (const json& step : entry.at("figures").at("steps"))
+      names += step.at("step").get<std::string>() + " ";
+    return names;
+  };
+  EXPECT_EQ(steps_of(steps()["cloud"]), "voxel outliers ");
+  write_project(point + "outliers: 3, voxel: 2}");
+  const json again = steps()["cloud"];
+  EXPECT_EQ(again["reason"],
+            "order of entries was points, voxel, outliers, is points, outliers, voxel");
+  EXPECT_EQ(steps_of(again), "outliers voxel ");
+}
+
+TEST_F(Run, ReadsTheRangeMapsThatACampaignRecords) {
+  for (const char* name : {"rig.yaml", "pattern.yaml", "pattern.png"})
+    fs::copy(demo(name), scratch / name);
+  fs::copy(demo("training"), scratch / "training");
+  write_text(scratch / "body.json", R"({"type": "elastic_body"})");
+  const std::string probe =
+      "colors: {folder: training}\nplan: {specimen: body.json}\n"
+      "probe: {specimen: body.json, output: seen/acquisition.db";
+  const std::string camera =
+      ", camera: simulated, rig: rig.yaml, pattern: pattern.yaml, colors: colors.yaml}";
+  const std::string track = "\ntrack: {acquisition: seen/acquisition.db, reference: scan.ply}\n";
+  write_project(probe + camera + track);
+  const CommandResult planned = run({"--dry-run", "-v"});
+  EXPECT_EQ(planned.status, kDone) << planned.err;
+  EXPECT_THAT(planned.err, HasSubstr("palpate track seen/range "));
+  EXPECT_THAT(planned.out, HasSubstr("track     due"));
+  write_project(probe + "}" + track);
+  expect_refused("track: range_folder is missing", {"--dry-run"});
+  // Two steps do not write into one folder.
+  write_project("decode: {frames: training, rig: rig.yaml, pattern: pattern.yaml}\n" + probe +
+                camera);
+  replace_in("project.yaml", "output: seen/acquisition.db", "output: acquisition.db");
+  expect_refused("range: is, holds or lies in range, which decode writes", {"--dry-run"});
+}
+
 TEST_F(Run, KeepsItsResultsIfTheFolderIsMoved) {
   steps();
   const ScratchFolder other;

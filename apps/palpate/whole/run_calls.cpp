@@ -87,15 +87,26 @@ class CallMaker {
     require_all(command, section, values);
     StepCall call{.step = &step};
     for (const auto& [name, given] : values) call.entries[name] = given;
-    call.words = words_of(step.command, command, values);
+    std::vector<std::string> order;
+    if (step.ordered) {
+      for (const ProjectEntry& entry : section.entries) order.push_back(entry.name);
+      call.entries["order of entries"] = {order};
+    }
+    call.words = words_of(step.command, command, values, order);
     check(call.words, section);
-    call.resuming_words = resuming_words(step, command, values);
+    call.resuming_words = resuming_words(step, command, call.words, values);
     call.takes_shard = takes_shard(call);
     for (const std::string& name : step.inputs) add_paths(values, name, call.inputs);
     for (const std::string& name : step.outputs) add_paths(values, name, call.outputs);
+    std::map<std::string, fs::path> beside;
+    for (const auto& [name, needs] : step.beside) {
+      if (!values.contains(needs)) continue;
+      beside[name] = main_output(step, values).replace_filename(name);
+      call.outputs.push_back(beside[name]);
+    }
     check_inputs(call, section);
     check_outputs_apart(call, section);
-    made_.push_back({step.name, std::move(values), call.inputs, call.outputs});
+    made_.push_back({step.name, std::move(values), std::move(beside), call.inputs, call.outputs});
     return call;
   }
 
@@ -104,6 +115,7 @@ class CallMaker {
   struct Made {
     std::string step;
     Values values;
+    std::map<std::string, fs::path> beside;  ///< folders beside the main output, by their names
     std::vector<fs::path> inputs, outputs;
   };
 
@@ -170,12 +182,24 @@ class CallMaker {
     for (const Feed::Source& source : feed.sources) {
       const auto made = std::ranges::find(made_, source.step, &Made::step);
       if (made == made_.end()) continue;
-      const auto value = made->values.find(source.entry);
-      if (value == made->values.end()) continue;
-      const fs::path path = value->second.front().front();
+      const fs::path path = output_of(*made, source.entry);
+      if (path.empty()) continue;
       values[feed.entry] = {{(source.file.empty() ? path : path / source.file).string()}};
       return;
     }
+  }
+
+  /// What a step has for an entry, or a folder of that name beside its main output; empty if there
+  /// is neither.
+  static fs::path output_of(const Made& made, const std::string& entry) {
+    if (const auto folder = made.beside.find(entry); folder != made.beside.end())
+      return folder->second;
+    const auto value = made.values.find(entry);
+    return value == made.values.end() ? fs::path() : fs::path(value->second.front().front());
+  }
+
+  static fs::path main_output(const ProjectStep& step, const Values& values) {
+    return values.at(step.result_entry).front().front();
   }
 
   /// The results of an earlier step are in the folder of the results.
@@ -210,11 +234,16 @@ class CallMaker {
     }
   }
 
+  /// \param first entries whose options come first, in this order.
   static std::vector<std::string> words_of(std::vector<std::string> words, const CLI::App& command,
-                                           const Values& values) {
-    // Arguments come first, so that no option with several values takes them.
+                                           const Values& values,
+                                           const std::vector<std::string>& first = {}) {
+    std::vector<std::string> names = first;
+    std::ranges::copy_if(entry_names(command), std::back_inserter(names),
+                         [&](const std::string& name) { return !has(first, name); });
+    // Arguments come before all options, so that no option with several values takes them.
     for (const bool positional : {true, false}) {
-      for (const std::string& name : entry_names(command)) {
+      for (const std::string& name : names) {
         const CLI::Option* option = option_of(command, name);
         const auto value = values.find(name);
         if (value != values.end() && option->get_positional() == positional)
@@ -226,14 +255,13 @@ class CallMaker {
 
   /// The words of the call that goes on with an interrupted one, if there can be one.
   std::vector<std::string> resuming_words(const ProjectStep& step, const CLI::App& command,
-                                          const Values& values) {
+                                          std::vector<std::string> words, const Values& values) {
     if (step.measures) {
       Values of_resume = {{"acquisition", values.at(step.result_entry)}};
       if (const auto stop = values.find("stop-file"); stop != values.end()) of_resume.insert(*stop);
       return words_of(resume_, *command_of(resume_, program_), of_resume);
     }
     if (command.get_option_no_throw("--resume") == nullptr) return {};
-    std::vector<std::string> words = words_of(step.command, command, values);
     words.emplace_back("--resume");
     return refusal_of(words) ? std::vector<std::string>() : words;
   }

@@ -57,12 +57,31 @@ const std::vector<ProjectStep>& table() {
        .feeds = {{"range", {{"decode", "output", "000000.tiff"}}, {}}},
        .items = "range",
        .main_figure = figure_of_mesh},
+      {.name = "cloud",
+       .command = {"cloud"},
+       .inputs = {"points", "rig", "from-mesh", "from-cloud"},
+       .outputs = {"output"},
+       .result = "cloud.ply",
+       .feeds = {{"points", {{"decode", "output", "000000.tiff"}}, {}}},
+       .ordered = true,
+       .main_figure = [](const Json& f) { return fmt::format("{} points", f.at("known").dump()); }},
+      {.name = "fuse",
+       .command = {"fuse"},
+       .inputs = {"scan", "pose", "rig", "mask"},
+       .outputs = {"output", "picture"},
+       .result = "fused.ply",
+       .feeds = {{"scan", {{"decode", "output"}}, {}}},
+       .main_figure =
+           [](const Json& f) {
+             return fmt::format("{} triangles of {}", f.at("triangles").dump(),
+                                counted(f.at("scans").get<std::size_t>(), "scan"));
+           }},
       {.name = "plan",
        .command = {"probe", "plan"},
        .inputs = {"surface", "specimen", "scene"},
        .outputs = {"output", "picture"},
        .result = "plan.json",
-       .feeds = {{"surface", {{"mesh", "output"}}, {"specimen"}}},
+       .feeds = {{"surface", {{"fuse", "output"}, {"mesh", "output"}}, {"specimen"}}},
        .main_figure =
            [](const Json& f) { return fmt::format("{} contacts", f.at("contacts").dump()); }},
       {.name = "probe",
@@ -72,6 +91,7 @@ const std::vector<ProjectStep>& table() {
        .outputs = {"output", "record"},
        .result = "acquisition.db",
        .feeds = {{"plan", {{"plan", "output"}}, {}}},
+       .beside = {{"range", "camera"}, {"truth", "truth"}},
        .measures = true,
        .main_figure =
            [](const Json& f) { return fmt::format("{} trials", f.at("trials").dump()); }},
@@ -85,13 +105,35 @@ const std::vector<ProjectStep>& table() {
              return fmt::format("{} contacts, {} samples", f.at("contacts").dump(),
                                 f.at("samples").dump());
            }},
+      {.name = "track",
+       .command = {"track"},
+       .inputs = {"range_folder", "reference", "color-images", "rig", "mask", "acquisition"},
+       .outputs = {"output"},
+       .result = "tracked",
+       .feeds = {{"range_folder", {{"probe", "range"}, {"decode", "output"}}, {}},
+                 {"reference", {{"fuse", "output"}, {"mesh", "output"}}, {}}},
+       .main_figure =
+           [](const Json& f) {
+             return fmt::format("{} of {} frames, RMS {:.3f} mm", f.at("meshes").dump(),
+                                f.at("range_maps").dump(), f.at("median_rms").get<double>());
+           }},
+      {.name = "motion",
+       .command = {"motion"},
+       .inputs = {"meshes", "reference"},
+       .outputs = {"output"},
+       .result = "motion",
+       .feeds = {{"meshes", {{"track", "output"}}, {}}},
+       .main_figure =
+           [](const Json& f) { return fmt::format("{} meshes", f.at("meshes").dump()); }},
       {.name = "fit",
        .command = {"fit"},
        .inputs = {"acquisition", "surface", "shapes"},
        .outputs = {"output", "pictures"},
        .result = "model",
        .feeds = {{"acquisition", {{"probe", "output"}, {"import", "output"}}, {}},
-                 {"surface", {{"mesh", "output"}, {"import", "surface-out"}}, {}}},
+                 {"surface",
+                  {{"fuse", "output"}, {"mesh", "output"}, {"import", "surface-out"}},
+                  {}}},
        .main_figure =
            [](const Json& f) {
              return fmt::format("{} contacts, RMS {}", f.at("contacts").dump(),
@@ -129,10 +171,15 @@ const std::vector<ProjectStep>& table() {
        .inputs = {"input", "rig"},
        .outputs = {"output"},
        .formats = {"ply", "obj", "vtk", "glb", "png", "npy", "json", "cbor", "html"},
-       .feeds =
-           {{"input",
-             {{"reduce", "output"}, {"fit", "output"}, {"mesh", "output"}, {"decode", "output"}},
-             {}}},
+       .feeds = {{"input",
+                  {{"reduce", "output"},
+                   {"fit", "output"},
+                   {"motion", "output"},
+                   {"track", "output"},
+                   {"fuse", "output"},
+                   {"mesh", "output"},
+                   {"decode", "output"}},
+                  {}}},
        .main_figure = [](const Json& f) { return f.at("file").get<std::string>(); }},
   };
   return steps;

@@ -15,12 +15,18 @@ namespace palpate::apps {
 /// An entry that a step has if its section does not give it: what an earlier step makes.
 struct Feed {
   struct Source {
-    std::string step, entry;  ///< the entry of that step which names the file or folder
+    std::string step, entry;  ///< the entry, or the `Beside`, of that step which names the file
     std::string file = {};    ///< in that folder
   };
   std::string entry;
   std::vector<Source> sources;      ///< the first whose step the project has
   std::vector<std::string> unless;  ///< entries in place of it
+};
+
+/// A folder that a command writes beside its main output, without an option for its name.
+struct Beside {
+  std::string name;
+  std::string needs;  ///< the entry without which it is not written
 };
 
 /// A step of a project: a section of its file, and a command of the program.
@@ -35,6 +41,10 @@ struct ProjectStep {
   /// Entries of which one gives the main output its ending; it then has the name of the input.
   std::vector<std::string> formats = {};
   std::vector<Feed> feeds = {};
+  std::vector<Beside> beside = {};
+  /// The command does its options in the order in which they are given; usually their order does
+  /// not count.
+  bool ordered = false;
   /// The entry that names the items which --shard divides; empty: the work cannot be divided.
   std::string items = {};
   /// The output holds measurements, which are never replaced; 'probe resume' goes on with them.

@@ -29,9 +29,9 @@ class RunSteps : public ::testing::Test {
 
 /// Options whose values are free text, but no files that are read or written.
 const std::set<std::string> kTexts = {
-    "arm",        "bayer",       "coupling", "decimal", "device",    "fov",
-    "force-unit", "length-unit", "map",      "object",  "separator", "set",
-    "stop-file",  "time-unit",   "title",    "tool",    "unit"};
+    "arm",        "bayer",     "coupling",    "crop", "decimal", "device",    "fov",
+    "force-unit", "isolated",  "length-unit", "map",  "object",  "separator", "set",
+    "stop-file",  "time-unit", "title",       "tool", "unit",    "viewpoint"};
 
 // A new option that takes a text fails here until the table, or the list above, says what it is:
 // a file that a command reads without `palpate run` knowing would leave results as they are when
@@ -70,11 +70,24 @@ TEST_F(RunSteps, AreFedWithWhatEarlierStepsHave) {
       for (const Feed::Source& source : feed.sources) {
         const auto from = std::ranges::find(earlier, source.step, &ProjectStep::name);
         ASSERT_NE(from, earlier.end()) << step.name << ": " << source.step;
-        EXPECT_TRUE(has(from->outputs, source.entry) || has(from->inputs, source.entry))
+        const bool is_beside =
+            std::ranges::find(from->beside, source.entry, &Beside::name) != from->beside.end();
+        EXPECT_TRUE(has(from->outputs, source.entry) || has(from->inputs, source.entry) ||
+                    is_beside)
             << step.name << ": " << source.step << ": " << source.entry;
       }
     }
     earlier.push_back(step);
+  }
+}
+
+TEST_F(RunSteps, WriteFoldersBesideTheirResultForOptionsOfTheirCommands) {
+  for (const ProjectStep& step : project_steps()) {
+    const std::vector<std::string> names = entry_names(*command_of(step.command, program));
+    for (const Beside& folder : step.beside) {
+      EXPECT_TRUE(has(names, folder.needs)) << step.name << ": " << folder.needs;
+      EXPECT_FALSE(step.result_entry.empty()) << step.name;
+    }
   }
 }
 
