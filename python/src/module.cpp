@@ -28,7 +28,7 @@ std::string with_names_of_arguments(const char* message) {
 }
 
 // They live as long as the interpreter.
-PyObject *base_error, *invalid_input, *file_error, *output_error, *solver_error;
+PyObject *base_error, *invalid_input, *file_error, *output_error, *solver_error, *unavailable;
 
 }  // namespace
 
@@ -47,6 +47,10 @@ void add_errors(py::module_& module) {
   solver_error =
       new_error(module, "SolverError", "A numerical method that found no solution for valid input.",
                 py::make_tuple(base));
+  unavailable =
+      new_error(module, "Unavailable",
+                "What this build does not have, or whose package is missing; the message names it.",
+                py::make_tuple(base));
   // NOLINTNEXTLINE(performance-unnecessary-value-param): it is the type that pybind11 asks for
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
@@ -59,6 +63,8 @@ void add_errors(py::module_& module) {
       PyErr_SetString(output_error, error.what());
     } catch (const SolverError& error) {
       PyErr_SetString(solver_error, error.what());
+    } catch (const Unavailable& error) {
+      PyErr_SetString(unavailable, error.what());
     } catch (const Error& error) {
       PyErr_SetString(base_error, error.what());
     }

@@ -114,6 +114,11 @@ class Files(unittest.TestCase):
         with self.assertRaises(palpate.InvalidInput):
             palpate.write_mesh("grid.unknown", grid(2, 2))
 
+    # tests/install/check_install.cmake tests that a missing package raises it.
+    def test_what_a_build_does_not_have_has_an_error_of_its_own(self):
+        self.assertTrue(issubclass(palpate.Unavailable, palpate.Error))
+        self.assertFalse(issubclass(palpate.Unavailable, palpate.InvalidInput))
+
 
 class Surfaces(unittest.TestCase):
     def test_closest_points_of_a_plane_are_below_them(self):
