@@ -228,3 +228,27 @@ print(importlib.metadata.version('palpate'), palpate.__version__, palpate.Surfac
     message(FATAL_ERROR "the installed Python module printed: ${output}")
   endif()
 endif()
+
+# 6. Without Assimp, only the formats that need it ask for it.
+file(GLOB_RECURSE module ${prefix}/libpalpate_assimp*)
+file(REMOVE ${module})
+function(expect_refused name words)
+  file(WRITE ${SCRATCH_DIR}/${name} "glTF, or something else")
+  execute_process(COMMAND ${prefix}/bin/palpate info ${SCRATCH_DIR}/${name} RESULT_VARIABLE status ERROR_VARIABLE output)
+  if(status EQUAL 0 OR NOT output MATCHES "${words}" OR NOT output MATCHES "${name}: ")
+    message(FATAL_ERROR "without Assimp, palpate says of ${name} (${status}):\n${output}")
+  endif()
+endfunction()
+expect_refused(body.dae "this format needs Assimp [(]package libassimp5")
+expect_refused(body.step "hold solids with curved faces")
+if(PYTHON)
+  set(check "import palpate
+try:
+    palpate.read_mesh('${SCRATCH_DIR}/body.dae')
+except palpate.Unavailable as error:
+    print(error)")
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/${PYTHON_DIR} ${PYTHON} -B -c "${check}")
+  if(NOT output MATCHES "this format needs Assimp")
+    message(FATAL_ERROR "without Assimp, the Python module printed: ${output}")
+  endif()
+endif()

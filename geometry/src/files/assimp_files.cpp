@@ -4,6 +4,7 @@
 #include "files/assimp_files.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -22,9 +23,47 @@ namespace fs = std::filesystem;
 
 constexpr double kMetre = 1000;  // [mm]
 
-const AssimpFiles& assimp_files() {
-  static const void* const files = module_symbol("assimp");
-  return *static_cast<const AssimpFiles*>(files);
+/// Endings of formats that assimp 5 reads as meshes and this library by itself does not. They are
+/// listed here, not asked of assimp, so that a build without it refuses the same files. Assimp also
+/// claims .step and .stp, of which it reads buildings (IFC) alone.
+constexpr auto kAssimpEndings = std::to_array<std::string_view>(
+    {".3d",  ".3ds",   ".3mf",  ".ac",   ".ac3d", ".acc",     ".amf",       ".ase",     ".ask",
+     ".b3d", ".blend", ".bsp",  ".bvh",  ".cob",  ".csm",     ".dae",       ".dxf",     ".enff",
+     ".fbx", ".glb",   ".gltf", ".hmp",  ".ifc",  ".ifczip",  ".iqm",       ".irr",     ".irrmesh",
+     ".lwo", ".lws",   ".lxo",  ".md2",  ".md3",  ".md5anim", ".md5camera", ".md5mesh", ".mdc",
+     ".mdl", ".mesh",  ".mot",  ".ms3d", ".ndo",  ".nff",     ".ogex",      ".pk3",     ".pmx",
+     ".prj", ".q3o",   ".q3s",  ".raw",  ".scn",  ".sib",     ".smd",       ".ter",     ".uc",
+     ".vta", ".x",     ".x3d",  ".x3db", ".xgl",  ".xml",     ".zae",       ".zgl"});
+
+/// Endings of files of solids with curved faces.
+constexpr auto kSolidEndings =
+    std::to_array<std::string_view>({".step", ".stp", ".iges", ".igs", ".brep"});
+
+/// \throws FileError unless assimp reads files of this ending.
+void check_ending(const fs::path& path, std::string_view ending) {
+  if (std::ranges::find(kAssimpEndings, ending) != kAssimpEndings.end()) return;
+  const std::string found =
+      path.string() + ": the ending \"" + path.extension().string() + "\" is not that of a mesh; ";
+  if (std::ranges::find(kSolidEndings, ending) != kSolidEndings.end())
+    throw FileError(found +
+                    "such files hold solids with curved faces. Write triangles in the "
+                    "program that made the file: .stl, .obj or .ply");
+  throw FileError(found +
+                  ".ply, .obj, .stl and .off are, .pcd is that of a point cloud, and with "
+                  "Assimp .glb, .gltf, .3mf, .dae, .fbx and others are those of meshes");
+}
+
+/// \throws Unavailable naming `file` and the package.
+const AssimpFiles& assimp_files(const std::string& file) {
+  try {
+    static const void* const files = module_symbol("assimp");
+    return *static_cast<const AssimpFiles*>(files);
+  } catch (const Unavailable& error) {
+    throw Unavailable(file +
+                      ": this format needs Assimp (package libassimp5, to build: libassimp-dev); "
+                      ".ply, .obj and .stl do not. " +
+                      error.what());
+  }
 }
 
 /// Assimp takes memory for all elements of a sparse accessor of glTF, though the file may have few.
@@ -81,23 +120,24 @@ std::string_view checked_glb_json(std::string_view bytes, const std::string& fil
 
 PolygonMesh read_assimp_scene(const fs::path& path, std::string_view content,
                               const std::string& ending) {
+  check_ending(path, ending);
   if (ending == ".glb" || ending == ".gltf") {
     const std::string file = path.string();
     check_sparse_accessors(ending == ".glb" ? checked_glb_json(content, file) : content,
                            content.size(), file);
   }
-  PolygonMesh mesh = assimp_files().read(path, content, ending);
+  PolygonMesh mesh = assimp_files(path.string()).read(path, content, ending);
   if (ending == ".gltf" || ending == ".glb") mesh.unit = kMetre;
   join_corners(mesh);
   return mesh;
 }
 
 void write_glb(std::ostream& stream, const MeshFile& file, const char* what) {
-  assimp_files().write_glb(stream,
-                           {.mesh = file.mesh,
-                            .normals = normals(file.vertex_attributes),
-                            .colors = colors(file.vertex_attributes)},
-                           what);
+  assimp_files(what).write_glb(stream,
+                               {.mesh = file.mesh,
+                                .normals = normals(file.vertex_attributes),
+                                .colors = colors(file.vertex_attributes)},
+                               what);
 }
 
 }  // namespace palpate::geometry

@@ -88,8 +88,7 @@ void take_columns(const std::array<const char*, N>& names,
 PolygonMesh read(const fs::path& path, std::string_view content, const std::string& ending) {
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(ending))
-    throw FileError(path.string() + ": the ending \"" + path.extension().string() +
-                    "\" is not that of a mesh; .ply, .obj, .stl, .off or .glb is");
+    throw Unavailable(path.string() + ": this build of Assimp does not read " + ending);
   // Validate first, because assimp's other steps trust the indices in the file.
   constexpr unsigned kSteps = aiProcess_ValidateDataStructure;
   std::error_code ignored;

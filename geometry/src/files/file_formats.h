@@ -54,7 +54,7 @@ void write_stl(std::ostream& stream, const TriangleMesh& mesh, Encoding encoding
 
 /// Writes binary glTF: one part, in metres and float, with normals and colours (linear in the
 /// light, as the format demands) if there are any.
-/// \throws OutputError naming `what` if assimp cannot.
+/// \throws OutputError naming `what` if assimp cannot; Unavailable without assimp.
 void write_glb(std::ostream& stream, const MeshFile& file, const char* what);
 
 /// Writes a binary VTK file (legacy, version 3): POLYDATA in double, with attributes as fields;
@@ -73,7 +73,8 @@ void write_vtk(std::ostream& stream, const MeshFile& file);
 /// \param content read from `path`. The file itself is read again, with those that it names, unless
 /// it is a pipe.
 /// \param ending of the format, such as ".glb".
-/// \throws FileError if the file is damaged, or the ending not that of a mesh.
+/// \throws FileError if the file is damaged, or the ending not that of a mesh; Unavailable without
+/// assimp.
 [[nodiscard]] PolygonMesh read_assimp_scene(const std::filesystem::path& path,
                                             std::string_view content, const std::string& ending);
 

@@ -126,9 +126,27 @@ TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {
   }
   write_text(folder / "mesh.txt", kTetrahedronOff);
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "mesh.txt")), FileError,
-                        ".ply, .obj, .stl, .off or .glb is");
+                        "\".txt\" is not that of a mesh; .ply, .obj, .stl and .off are");
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder.path())), FileError,
                         "is a folder; expected a file");
+}
+
+// Assimp claims .step, and then says that a right file is damaged.
+TEST(MeshIo, RefusesSolidsOfCadProgramsByTheirEnding) {
+  const ScratchFolder folder;
+  for (const char* name : {"gear.step", "gear.STP", "gear.iges"}) {
+    write_text(folder / name, "ISO-10303-21;\nHEADER;\nENDSEC;\nEND-ISO-10303-21;\n");
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / name)), FileError,
+                          "such files hold solids with curved faces");
+  }
+}
+
+TEST(MeshIo, LeavesEndingsOfAssimpToAssimp) {
+  const ScratchFolder folder;
+  for (const char* name : {"a.3ds", "a.dae", "a.fbx", "a.x3d", "a.lwo", "a.ifc"}) {
+    write_text(folder / name, "to a friend\n");
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / name)), FileError, "is damaged");
+  }
 }
 
 TEST(MeshIo, RefusesWhatAssimpFindsDamaged) {
