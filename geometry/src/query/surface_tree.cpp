@@ -125,15 +125,17 @@ struct SurfaceTree::NearestSearch {
   void look_at(const Nearest& candidate, int triangle, int place) {
     NearestTriangle& best = found.best;
     if (!improves(candidate.squared_distance, triangle, best.at.squared_distance, best.triangle)) {
-      if (triangle != best.triangle)
-        found.squared_others = std::min(found.squared_others, candidate.squared_distance);
-      return;
+      if (triangle == best.triangle || !(candidate.squared_distance < found.squared_others)) return;
+      found.squared_others = candidate.squared_distance;
+    } else {
+      found.squared_others = best.at.squared_distance;
+      best = {.at = candidate, .triangle = triangle, .place = place};
     }
-    found.squared_others = best.at.squared_distance;
-    best = {.at = candidate, .triangle = triangle, .place = place};
-    squared_radius = std::min(
-        squared_radius,
-        geometry::squared_radius<Number>(std::sqrt(candidate.squared_distance) + slack, reach));
+    // Whatever is farther away than the second nearest does not matter, however large the slack.
+    const double distance = std::sqrt(best.at.squared_distance);
+    const double matters =
+        slack > 0 ? std::min(distance + slack, std::sqrt(found.squared_others)) : distance;
+    squared_radius = std::min(squared_radius, geometry::squared_radius<Number>(matters, reach));
   }
 };
 

@@ -158,6 +158,48 @@ Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double
                       100 * result.overlap, result.rms)};
 }
 
+/// How many points are at least near the surface, however poorly they fit.
+struct Nearness {
+  double distance = 0;  ///< [local frame] up to which a point counts as near
+  double share = 0;
+  double rms = 0;  ///< [local frame] of the near points; NaN without any
+  int count = 0;
+};
+
+/// Whatever share `min_overlap` is, as many points are inliers if the deviation is as large as
+/// their distances. Here the deviation is that of the nearer half of that share, within limits
+/// relative to the points' size, so that a few wrong points are no surface.
+Nearness nearness(const Eigen::VectorXd& distances, double min_overlap, double radius) {
+  const double trial = kTrialLength * radius;
+  Nearness near;
+  near.distance =
+      std::clamp(kInlierDeviations * deviation_of_median(quantile(distances, min_overlap / 2)),
+                 kFreeMedian * trial, trial);
+  double squares = 0;
+  for (const double distance : distances) {
+    if (!(distance <= near.distance)) continue;
+    ++near.count;
+    squares += distance * distance;
+  }
+  near.share = static_cast<double>(near.count) / static_cast<double>(distances.size());
+  near.rms = near.count > 0 ? std::sqrt(squares / near.count) : kNan;
+  return near;
+}
+
+/// Whether few near points explain this verdict.
+bool is_vague(const Verdict& found, const SettledPose& pose, const RegistrationOptions& options,
+              const std::optional<double>& runner_up, const Nearness& near) {
+  using enum RegistrationVerdict;
+  switch (found.verdict) {
+    case not_converged:
+      return pose.iterations < options.max_iterations;
+    case ambiguous:  // the other pose may have the overlap that this one lacks
+      return !(runner_up && *runner_up <= near.distance);
+    default:
+      return found.verdict == poor_fit;
+  }
+}
+
 }  // namespace
 
 std::string describe_motion(const Eigen::Vector3d& rotation, const Eigen::Vector3d& translation,
@@ -225,8 +267,19 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   }
   const double variance = squares / std::max(1, result.inliers - 6);
   result.covariance = pose_covariance(problem, free, variance, target.diagonal, target.scale);
-  const Verdict verdict = decide(pose, trials, kLeastLength * target.diagonal / target.scale,
-                                 target.scale, options, result);
+  Verdict verdict = decide(pose, trials, kLeastLength * target.diagonal / target.scale,
+                           target.scale, options, result);
+  const Nearness near = nearness(distances, options.min_overlap, problem.radius);
+  if (near.share < options.min_overlap && is_vague(verdict, pose, options, runner_up, near)) {
+    result.inliers = near.count;
+    result.overlap = near.share;
+    result.rms = near.rms / target.scale;
+    verdict = {
+        RegistrationVerdict::little_overlap,
+        fmt::format("{:.0f} % of the points lie within {:.3g} mm of the surface; at least "
+                    "{:.0f} % are needed",
+                    100 * near.share, near.distance / target.scale, 100 * options.min_overlap)};
+  }
   result.verdict = verdict.verdict;
   result.reason = verdict.reason;
 }

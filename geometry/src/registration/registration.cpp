@@ -123,7 +123,7 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
   TrackedPairing tracked;
   const Pairing& pairing = tracked.pairing;
   Eigen::Matrix3Xd moved = start.motion * points, tried;
-  target.pair(moved, start.slack, tracked);
+  target.pair(moved, start.slack, tracked, steps);
   pose.deviation = inlier_deviation(target, pairing.distances, fraction);
   bool descends = true;
   while (pose.iterations < max_iterations) {
@@ -142,10 +142,9 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
       pose.converged = x.norm() <= least_step;
       if (pose.converged || pose.iterations == max_iterations) break;
       ++pose.iterations;
-      steps.tell(0);
       motion = to_motion(x, problem) * pose.motion;
       tried = motion * points;
-      target.pair(tried, kNextStep * x.norm(), tracked);
+      target.pair(tried, kNextStep * x.norm(), tracked, steps);
       descends = mean_loss(pairing.distances, pose.deviation) < loss;
     }
     if (!descends) break;
@@ -155,7 +154,7 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
     pose.deviation =
         std::min(pose.deviation, inlier_deviation(target, pairing.distances, fraction));
   }
-  if (!descends) target.pair(moved, 0, tracked);  // back from where it does not descend
+  if (!descends) target.pair(moved, 0, tracked, steps);  // back from where it does not descend
   pose.pairing = std::move(tracked.pairing);
   return pose;
 }
@@ -181,17 +180,18 @@ constexpr double kPclCells = 2;
 
 /// Refines with PCL's steps to the vertices.
 SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-                            const Eigen::Isometry3d& start, const RegistrationOptions& options) {
+                            const Eigen::Isometry3d& start, const RegistrationOptions& options,
+                            WorkSteps& steps) {
   const Eigen::Matrix3Xd moved = start * points;
   const double deviation =
-      inlier_deviation(target, target.pair(moved).distances, options.min_overlap);
+      inlier_deviation(target, target.pair(moved, steps).distances, options.min_overlap);
   const double max_distance = kPclDeviations * deviation + kPclCells * target.grid().cell_size();
-  const VertexCloud::Outcome outcome =
-      target.vertex_cloud().align(moved, options.method, max_distance, options.max_iterations);
+  const VertexCloud::Outcome outcome = target.vertex_cloud().align(
+      moved, options.method, max_distance, options.max_iterations, [&] { steps.tell(0); });
   SettledPose pose{.motion = outcome.motion * start, .pairing = {}};
   pose.converged = outcome.converged;
   pose.iterations = outcome.iterations;
-  pose.pairing = target.pair(pose.motion * points);
+  pose.pairing = target.pair(pose.motion * points, steps);
   pose.deviation = inlier_deviation(target, pose.pairing.distances, options.min_overlap);
   return pose;
 }
@@ -299,7 +299,7 @@ Registration register_to(const RegistrationTarget::Impl& surface,
     steps.tell();
     pose = settle(surface, source, start, options.min_overlap, options.max_iterations, steps);
   } else {
-    pose = settle_with_pcl(surface, source, best, options);
+    pose = settle_with_pcl(surface, source, best, options, steps);
   }
   steps.tell();
   result.T_target_source = surface.to_world(pose.motion) * options.T_target_source_start;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 
 #include "palpate/geometry/registration.h"
@@ -24,8 +25,10 @@ class VertexCloud {
   };
   /// PCL's iterated closest points with pairs at most `max_distance` apart. Preconditions: finite
   /// points, and one of PCL's methods.
+  /// \param go_on is called after each iteration, and ends the work if it throws.
   [[nodiscard]] virtual Outcome align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
-                                      double max_distance, int max_iterations) const = 0;
+                                      double max_distance, int max_iterations,
+                                      const std::function<void()>& go_on) const = 0;
 
  protected:
   VertexCloud() = default;

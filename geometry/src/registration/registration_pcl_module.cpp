@@ -20,17 +20,26 @@ using Cloud = pcl::PointCloud<Point>;
 /// compares the squared translation, and one minus the cosine of the rotation.
 constexpr double kRounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
 
-/// Gives access to PCL's count of iterations.
+/// Gives access to PCL's iterations, after each of which it moves the points.
 template <typename Icp>
-struct Counting : Icp {
+struct Watched : Icp {
+  explicit Watched(const std::function<void()>& go_on) : go_on_(go_on) {}
   [[nodiscard]] int iterations() const { return this->nr_iterations_; }
+
+ private:
+  void transformCloud(const Cloud& input, Cloud& output, const Eigen::Matrix4f& motion) override {
+    Icp::transformCloud(input, output, motion);
+    go_on_();
+  }
+
+  const std::function<void()>& go_on_;
 };
 
 template <typename Icp>
 VertexCloud::Outcome align_with(const Cloud::Ptr& source, const Cloud::Ptr& target,
                                 const pcl::search::KdTree<Point>::Ptr& tree, double max_distance,
-                                int max_iterations) {
-  Counting<Icp> icp;
+                                int max_iterations, const std::function<void()>& go_on) {
+  Watched<Icp> icp(go_on);
   icp.setSearchMethodTarget(tree, true);
   icp.setInputTarget(target);
   icp.setInputSource(source);
@@ -66,7 +75,8 @@ class PclCloud : public VertexCloud {
   }
 
   [[nodiscard]] Outcome align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
-                              double max_distance, int max_iterations) const override {
+                              double max_distance, int max_iterations,
+                              const std::function<void()>& go_on) const override {
     const Cloud::Ptr source(new Cloud);
     for (const auto& point : points.colwise()) {
       Point p;
@@ -78,10 +88,10 @@ class PclCloud : public VertexCloud {
     }
     if (method == RegistrationMethod::point_to_plane) {
       return align_with<pcl::IterativeClosestPointWithNormals<Point, Point>>(
-          source, cloud_, tree_, max_distance, max_iterations);
+          source, cloud_, tree_, max_distance, max_iterations, go_on);
     }
     return align_with<pcl::IterativeClosestPoint<Point, Point>>(source, cloud_, tree_, max_distance,
-                                                                max_iterations);
+                                                                max_iterations, go_on);
   }
 
  private:

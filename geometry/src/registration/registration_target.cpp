@@ -25,6 +25,9 @@ namespace {
 /// Points per task.
 constexpr Eigen::Index kPointsPerTask = 64;
 
+/// Points between two reports: some hundredths of a second.
+constexpr Eigen::Index kPointsPerReport = 1 << 14;
+
 /// On the coarse map, a point more than two cells away is beside the surface if at most this share
 /// of the way to it is along the normal.
 constexpr double kAlongNormal = 0.7;
@@ -129,8 +132,14 @@ bool RegistrationTarget::Impl::is_on_border(const SurfacePoint& foot) const {
 }
 
 Pairing RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points) const {
+  const WorkSteps::Progress nobody;
+  WorkSteps steps(nobody, 1);
+  return pair(points, steps);
+}
+
+Pairing RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points, WorkSteps& steps) const {
   TrackedPairing tracked;
-  pair(points, 0, tracked);
+  pair(points, 0, tracked, steps);
   return std::move(tracked.pairing);
 }
 
@@ -147,13 +156,13 @@ Nearest RegistrationTarget::Impl::search(const Eigen::Vector3d& point, int guess
 }
 
 void RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points, double slack,
-                                    TrackedPairing& tracked) const {
+                                    TrackedPairing& tracked, WorkSteps& steps) const {
   Pairing& pairing = tracked.pairing;
   if (tracked.triangles.empty()) {
     pairing.resize(points.cols());
     tracked.triangles.resize(static_cast<std::size_t>(points.cols()));
   }
-  parallel_ranges(points.cols(), kPointsPerTask, [&](Eigen::Index begin, Eigen::Index end) {
+  const auto pair_range = [&](Eigen::Index begin, Eigen::Index end) {
     int guess = -1;  // neighbours in the order of the points are near
     for (Eigen::Index i = begin; i < end; ++i) {
       TrackedTriangle& known = tracked.triangles[static_cast<std::size_t>(i)];
@@ -193,7 +202,13 @@ void RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points, double slack
       pairing.usable[i] = normal.allFinite() && !is_on_border({.triangle = known.triangle,
                                                                .barycentric = nearest.barycentric});
     }
-  });
+  };
+  for (Eigen::Index first = 0; first < points.cols(); first += kPointsPerReport) {
+    parallel_ranges(
+        std::min(kPointsPerReport, points.cols() - first), kPointsPerTask,
+        [&](Eigen::Index begin, Eigen::Index end) { pair_range(first + begin, first + end); });
+    steps.tell(0);
+  }
 }
 
 void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,

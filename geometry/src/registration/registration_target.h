@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "palpate/core/work_steps.h"
 #include "palpate/geometry/registration.h"
 #include "query/local_frame.h"
 #include "query/surface_tree.h"
@@ -50,12 +51,15 @@ struct RegistrationTarget::Impl {
   /// Nearest points of the surface. A point is beside the surface if its nearest point is on the
   /// border. With a standoff, the planes are those of the surface in this distance, and across the
   /// way from the nearest point of the surface itself.
+  [[nodiscard]] Pairing pair(const Eigen::Matrix3Xd& points, WorkSteps& steps) const;
   [[nodiscard]] Pairing pair(const Eigen::Matrix3Xd& points) const;
   /// The same for points that move in small steps.
   /// \param slack other triangles are searched up to this much farther away than the nearest.
   /// With about twice the length of the next motions, few of these need a search.
   /// \param tracked the pairing before; empty at first.
-  void pair(const Eigen::Matrix3Xd& points, double slack, TrackedPairing& tracked) const;
+  /// \param steps are told, after some thousands of points each, that the task is still running.
+  void pair(const Eigen::Matrix3Xd& points, double slack, TrackedPairing& tracked,
+            WorkSteps& steps) const;
   /// Approximation from the coarse map, in constant time.
   void pair_coarsely(const Eigen::Matrix3Xd& points, Pairing& pairing) const;
   [[nodiscard]] const SurfelGrid& grid() const;  ///< the coarse map, for `once` made at first use

@@ -187,6 +187,22 @@ TEST(RegistrationVerdict, DoesNotAcceptScansOfDifferentParts) {
   }
 }
 
+// A room of which the target is a small object: however large the distances are, half of the points
+// are within three deviations of them.
+TEST(RegistrationVerdict, NamesLittleOverlapOfPointsAllAroundTheTarget) {
+  const TriangleMesh object = bumpy_surface();
+  const RegistrationTarget target(object);
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Matrix3Xd room = points_on(test::icosphere(3, 600), 3000, seed).colwise() + Vector3d(52, 42, 0);
+    room.leftCols(300) = points_on(object, 300, seed);
+    const Registration found = register_points(room, target);
+    EXPECT_EQ(found.verdict, little_overlap) << seed << ": " << found.reason;
+    EXPECT_LT(found.overlap, 0.5);
+    EXPECT_EQ(found.inliers, std::lround(3000 * found.overlap));
+    EXPECT_NE(found.reason.find("of the points lie within"), std::string::npos) << found.reason;
+  }
+}
+
 /// Points of the bumpy surface from x = `from` mm on, with the noise of a scan.
 Matrix3Xd scanned_from(double from, int count, unsigned seed) {
   std::mt19937 random(seed);

@@ -32,16 +32,18 @@ TEST(RegistrationTarget, PairsPointsOnTheirWayAsAtFirstSight) {
       target.scale * (test::points_on(surface, 1000, 3).colwise() - target.centre);
   Isometry3d pose(Eigen::AngleAxisd(0.02, Vector3d(1, 2, -1).normalized()));
   TrackedPairing tracked;
+  const WorkSteps::Progress nobody;
+  WorkSteps steps(nobody, 1);
   for (double angle = 0.02; angle > 1e-8; angle /= 4) {
     const double slack = 2 * angle;
     Matrix3Xd moved = pose * points;
-    target.pair(moved, slack, tracked);
+    target.pair(moved, slack, tracked, steps);
     const Matrix3Xd places = moved;
     // Ways in all directions, also away from the surface.
     pose = Eigen::AngleAxisd(angle, Vector3d(-3, std::sin(1 / angle), 2).normalized()) *
            Eigen::Translation3d(0, angle / 3, -angle / 4) * pose;
     moved = pose * points;
-    target.pair(moved, slack, tracked);
+    target.pair(moved, slack, tracked, steps);
     const Pairing fresh = target.pair(moved);
     int kept = 0;
     for (Eigen::Index i = 0; i < points.cols(); ++i) {

@@ -310,6 +310,30 @@ TEST(RegisterPoints, TellsItsProgress) {
   }
 }
 
+// Whoever wants to end the work waits for a part of the points only.
+TEST(RegisterPoints, TellsThatItIsRunningWithinEachPassOverManyPoints) {
+  const TriangleMesh surface = bumpy_surface();
+  const RegistrationTarget target(surface);
+  constexpr int kCount = 100'000;
+  const Matrix3Xd points = points_on(surface, kCount, 1).colwise() + Vector3d(0.2, -0.1, 0.3);
+  for (const auto method :
+       {RegistrationMethod::point_to_triangle, RegistrationMethod::point_to_point}) {
+    int told = 0;
+    const auto stop = [&](int, int) {
+      if (++told == 3) throw told;
+    };
+    const RegistrationOptions options{.method = method,
+                                      .search_rotation = 0,
+                                      .search_translation = 0,
+                                      .max_iterations = 1,
+                                      .progress = stop};
+    EXPECT_THROW((void)register_points(points, target, options), int);
+    told = 4;
+    (void)register_points(points, target, options);
+    EXPECT_GT(told - 4, 2 * kCount / 20'000) << static_cast<int>(method);
+  }
+}
+
 TEST(RegisterPoints, RefusesBadInputAndNamesIt) {
   const TriangleMesh target = bumpy_surface();
   Matrix3Xd points = points_on(target, 4, 20);

@@ -44,8 +44,8 @@ struct RegistrationOptions {
   double min_overlap = 0.5;
   double max_rms = std::numeric_limits<double>::infinity();
   int max_iterations = 100;
-  /// Called in the calling thread after each part of the work and each of its own iterations (not
-  /// those of PCL); the last call has done == total. If it throws, the registration ends.
+  /// Called in the calling thread after each part of the work, each iteration and some thousands of
+  /// points; the last call has done == total. If it throws, the registration ends.
   std::function<void(int done, int total)> progress = {};
 };
 
