@@ -9,7 +9,11 @@
 
 #include <iostream>
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
+  if (count < 2) {
+    std::cerr << "usage: decimate_a_mesh MESH\n";
+    return 2;
+  }
   using namespace palpate::geometry;
   const TriangleMesh mesh = read_mesh(arguments[1]);
   const Decimation small = decimate(mesh, {.tolerance = 0.2});  // mm

@@ -8,6 +8,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "long_work.h"
+#include "output_path.h"
 #include "palpate/geometry/attribute.h"
 #include "palpate/geometry/cloud_clusters.h"
 #include "palpate/geometry/cloud_distance.h"
@@ -62,12 +63,12 @@ Raises FileError. Ctrl-C is not heard.)");
         if (!normals.is_none())
           geometry::set_normals(cloud.attributes, Points(normals, "normals").columns());
         const Unlocked while_it_writes;
-        geometry::write_point_cloud(path, cloud);
+        geometry::write_point_cloud(output_path(path), cloud);
       },
       arg("path"), arg("points"), kw_only(), arg("normals") = py::none(),
       R"(Writes (N, 3) points in mm, and normals if they are given, as .pcd or .ply.
 
-A file is replaced as a whole, or not at all. Raises InvalidInput or OutputError.)");
+Its folder must exist. A file is replaced as a whole, or not at all. Raises InvalidInput or OutputError.)");
 }
 
 void add_selection(py::module_& module) {

@@ -9,6 +9,7 @@
 
 #include "bindings.h"
 #include "fields.h"
+#include "output_path.h"
 #include "palpate/core/field_text.h"
 #include "palpate/haptics/device_run.h"
 #include "palpate/haptics/loop_record.h"
@@ -116,6 +117,7 @@ is not heard.)",
         HandOptions hand;
         set_fields(fields_of_both(loop.safety, hand), keywords);
         static_cast<void>(in_range(hand));
+        if (record) static_cast<void>(output_path(*record));
         if (device != "hand") refuse_idle_fields(device, keywords);
         std::vector<haptics::TrajectoryPoint> way = trajectory(tools, times);
         if (way.empty()) throw InvalidInput("tools: must have at least one position");

@@ -11,6 +11,7 @@
 #include "fields.h"
 #include "long_work.h"
 #include "maker/model_page.h"
+#include "output_path.h"
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/build_model.h"
@@ -89,7 +90,7 @@ Arrays of contacts are copies, in the order of the contacts.)")
           "write",
           [](const Model& model, const fs::path& folder) {
             const Unlocked unlocked;
-            haptics::write_model(folder, model);
+            haptics::write_model(output_path(folder), model);
           },
           arg("folder"),
           R"(Writes the model as a folder, as a whole or not at all; read_model() reads it back exactly.
@@ -115,7 +116,7 @@ Raises InvalidInput if the model cannot be played.)")
             const Unlocked unlocked;
             const std::string page =
                 web::model_page(model, {title, unknown_friction}, package / "page.html");
-            write_file(path, [&](std::ostream& file) { file << page; });
+            write_file(output_path(path), [&](std::ostream& file) { file << page; });
           },
           arg("path"), kw_only(), arg("title") = "", arg("unknown_friction") = 0.0,
           "Writes page() to a file, as a whole or not at all. Raises OutputError.")

@@ -13,11 +13,11 @@
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/geodesic_path.h"
 #include "palpate/geometry/surface_query.h"
+#include "places.h"
 
 namespace palpate::python {
 namespace {
 
-using geometry::ClosestPoints;
 using geometry::GeodesicDistance;
 using geometry::GeodesicMethod;
 using geometry::GeodesicPath;
@@ -25,18 +25,44 @@ using geometry::GeodesicSurface;
 using geometry::SurfacePoint;
 using geometry::TriangleMesh;
 
+/// \throws InvalidInput if places are on a mesh of another size.
+void check_mesh_of(const MeshSize& places, const TriangleMesh& mesh, const std::string& name) {
+  const MeshSize size = mesh_size(mesh);
+  if (places == size) return;
+  const auto words = [](const MeshSize& of) {
+    return std::to_string(of.vertices) + " vertices and " + std::to_string(of.triangles) +
+           (of.triangles == 1 ? " triangle" : " triangles");
+  };
+  throw InvalidInput(name + ": lie on another mesh, with " + words(places) + "; this one has " +
+                     words(size));
+}
+
+/// \throws InvalidInput that tells what else places may be.
+std::vector<SurfacePoint> vertices_of(const TriangleMesh& mesh, const py::object& numbers,
+                                      const char* name) {
+  try {
+    const py::array_t<int> vertices = indices(numbers, name, 1);
+    return vertex_points(mesh, {vertices.data(), static_cast<std::size_t>(vertices.size())}, name);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        error.what() +
+        std::string(". Vertices are given by their indices, (N,), and coordinates as "
+                    "ClosestPoints: SurfaceQuery(mesh).closest_points(coordinates)"));
+  }
+}
+
 /// Places on a mesh: closest points, or vertices by their indices.
 std::vector<SurfacePoint> surface_points(const TriangleMesh& mesh, const py::object& places,
                                          const char* name) {
-  if (py::isinstance<ClosestPoints>(places)) {
+  if (py::isinstance<PlacesOnMesh>(places)) {
     std::vector<SurfacePoint> points;
-    const auto& given = places.cast<const ClosestPoints&>();
+    const auto& given = places.cast<const PlacesOnMesh&>();
+    check_mesh_of(given.mesh, mesh, name);
     for (Eigen::Index i = 0; i < given.triangles.size(); ++i)
       points.push_back({given.triangles[i], given.barycentric.col(i)});
     return points;
   }
-  const py::array_t<int> vertices = indices(places, name, 1);
-  return vertex_points(mesh, {vertices.data(), static_cast<std::size_t>(vertices.size())}, name);
+  return vertices_of(mesh, places, name);
 }
 
 /// A mesh for one call, or one that is prepared for several.
@@ -52,8 +78,8 @@ void add_surface(py::module_& module) {
       module, "GeodesicSurface",
       R"(A mesh with what distances and paths on it need, for several calls on one mesh.
 
-Pass it in place of the mesh to geodesic_distance, shortest_paths and straighten_path. It has a copy
-of the mesh. Raises InvalidInput if the mesh is not valid.)")
+Pass it in place of the mesh to geodesic_distance, geodesic_distances, shortest_paths and
+straighten_path. It has a copy of the mesh. Raises InvalidInput if the mesh is not valid.)")
       .def(py::init<const TriangleMesh&>(), arg("mesh"));
 }
 
@@ -126,6 +152,7 @@ struct PathArrays {
   Eigen::Matrix3Xd barycentric, positions;
   double length;
   int source;
+  MeshSize mesh;
 };
 
 PathArrays arrays_of(const TriangleMesh& mesh, const GeodesicPath& path) {
@@ -134,7 +161,8 @@ PathArrays arrays_of(const TriangleMesh& mesh, const GeodesicPath& path) {
                     .barycentric = Eigen::Matrix3Xd(3, count),
                     .positions = Eigen::Matrix3Xd(3, count),
                     .length = path.length,
-                    .source = path.source};
+                    .source = path.source,
+                    .mesh = mesh_size(mesh)};
   for (Eigen::Index i = 0; i < count; ++i) {
     const SurfacePoint& point = path.points[static_cast<std::size_t>(i)];
     arrays.triangles[i] = point.triangle;
@@ -144,7 +172,8 @@ PathArrays arrays_of(const TriangleMesh& mesh, const GeodesicPath& path) {
   return arrays;
 }
 
-void append(std::vector<SurfacePoint>& points, const PathArrays& path) {
+void append(std::vector<SurfacePoint>& points, const PathArrays& path, const TriangleMesh& mesh) {
+  check_mesh_of(path.mesh, mesh, "path: its points");
   for (Eigen::Index i = 0; i < path.triangles.size(); ++i)
     points.push_back({path.triangles[i], path.barycentric.col(i)});
 }
@@ -153,13 +182,13 @@ void append(std::vector<SurfacePoint>& points, const PathArrays& path) {
 std::vector<SurfacePoint> way_of(const TriangleMesh& mesh, const py::object& way) {
   std::vector<SurfacePoint> points;
   if (py::isinstance<PathArrays>(way)) {
-    append(points, way.cast<const PathArrays&>());
+    append(points, way.cast<const PathArrays&>(), mesh);
     return points;
   }
   if (py::isinstance<py::list>(way) || py::isinstance<py::tuple>(way)) {
     for (const py::handle part : way) {
       if (!py::isinstance<PathArrays>(part)) return surface_points(mesh, way, "path");
-      append(points, part.cast<const PathArrays&>());
+      append(points, part.cast<const PathArrays&>(), mesh);
     }
     return points;
   }
@@ -223,7 +252,7 @@ Raises InvalidInput, or SolverError if triangles are too thin. Ctrl-C is not hea
       R"(Pulls a path tight between its ends, without leaving the side of holes and handles it is on.
 
 path: a GeodesicPath, a list of several that follow each other, or (N,) indices of vertices that are
-neighbours along edges. Returns a GeodesicPath.
+neighbours along edges.
 Raises InvalidInput naming the place that is in no triangle of the one before it. Ctrl-C is not
 heard.)");
 }

@@ -4,6 +4,7 @@
 #include "bindings.h"
 #include "fields.h"
 #include "long_work.h"
+#include "output_path.h"
 #include "palpate/geometry/camera.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/mesh_io.h"
@@ -87,12 +88,12 @@ Raises FileError. Ctrl-C is not heard.)");
       "write_mesh",
       [](const fs::path& path, const TriangleMesh& mesh) {
         const Unlocked unlocked;
-        geometry::write_mesh(path, mesh);
+        geometry::write_mesh(output_path(path), mesh);
       },
       arg("path"), arg("mesh"),
-      R"(Writes a mesh in mm as .ply (exactly), .obj (exactly) or .stl (rounded to float32).
+      R"(Writes a mesh in mm as .ply, .obj, .vtk (exactly), .stl (rounded to float32) or .glb (in metres, float32).
 
-A file is replaced as a whole, or not at all. Raises InvalidInput or OutputError.)");
+Its folder must exist. A file is replaced as a whole, or not at all. Raises InvalidInput or OutputError.)");
 }
 
 void add_decimation(py::module_& module) {
@@ -287,12 +288,12 @@ A view without a copy, which keeps the map alive. Writing changes the map.)")
       "write_range_map",
       [](const fs::path& path, const RangeMap& map) {
         const Unlocked unlocked;
-        geometry::write_depth_tiff(path, map.z);
+        geometry::write_depth_tiff(output_path(path), map.z);
       },
       arg("path"), arg("map"),
       R"(Writes the depths as float32 TIFF, exactly; the camera is not written.
 
-A file is replaced as a whole, or not at all. Raises OutputError.)");
+Its folder must exist. A file is replaced as a whole, or not at all. Raises OutputError.)");
   def_with_options<geometry::RangeMapMeshOptions>(
       module, "mesh_from(map: RangeMap, *", "TriangleMesh",
       R"(Triangulates a range map, in the frame of its camera [mm]; normals point to the camera.

@@ -7,6 +7,7 @@
 
 #include "bindings.h"
 #include "fields.h"
+#include "finishing.h"
 #include "palpate/core/error.h"
 
 namespace palpate::python {
@@ -99,5 +100,6 @@ PYBIND11_MODULE(_palpate, module) {
   module.def(
       "_option_lists", &python::option_lists,
       "All options: for each struct its name, and for each field what docs/options.md says.");
+  python::finish(module);
   pybind11::delattr(module, "__module__");
 }

@@ -12,6 +12,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "fields.h"
+#include "output_path.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/deformed_shape.h"
@@ -99,7 +100,7 @@ void add_trace(py::module_& module) {
           "write",
           [](const Trace& trace, const fs::path& path) {
             const Unlocked unlocked;
-            haptics::write_trace(path, trace.points);
+            haptics::write_trace(output_path(path), trace.points);
           },
           arg("path"), "Writes the CSV file of `palpate play --record`. Raises OutputError.");
   module.def(

@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "output_path.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/acquisition_import.h"
 #include "palpate/probing/acquisition_mapping.h"
@@ -178,7 +179,7 @@ Raises InvalidInput naming the contact or the sample that is wrong.)")
       "write_acquisition",
       [](const fs::path& path, const CheckedAcquisition& acquisition) {
         const Unlocked unlocked;
-        probing::write_acquisition(path, acquisition);
+        probing::write_acquisition(output_path(path), acquisition);
       },
       arg("path"), arg("acquisition"),
       "Writes a database of measurements, as a whole or not at all. Raises OutputError.");

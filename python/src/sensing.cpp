@@ -3,12 +3,15 @@
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "fields.h"
 #include "frames.h"
+#include "output_path.h"
+#include "palpate/core/file_names.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/decode.h"
@@ -33,6 +36,27 @@ using sensing::Pattern;
 using sensing::Rig;
 using sensing::TrainedColors;
 
+/// The file with the camera of a range map or of a depth image.
+/// \throws FileError naming the argument that is needed.
+fs::path camera_file(const fs::path& path, const std::optional<fs::path>& rig,
+                     const std::optional<double>& scale) {
+  if (!scale && lower_extension(path) == ".png")
+    throw FileError(path.string() +
+                    ": a depth image needs scale=, the length of one unit in mm: 1 for most "
+                    "RealSense and Kinect cameras");
+  if (rig) return *rig;
+  const fs::path beside = path.parent_path() / "rig.yaml";
+  std::error_code unknown;  // reading will tell more
+  if (!fs::exists(beside, unknown)) {
+    throw FileError(path.string() +
+                    (fs::exists(path, unknown)
+                         ? ": needs its camera: pass the file of the camera as rig=, "
+                           "or put it beside it as rig.yaml"
+                         : ": no such file"));
+  }
+  return beside;
+}
+
 void add_files(py::module_& module) {
   py::class_<Rig>(module, "Rig", "A calibrated camera and projector, and the pose between them.")
       .def_readonly("camera", &Rig::camera, "The camera.")
@@ -42,7 +66,8 @@ void add_files(py::module_& module) {
           [](const Rig& rig) { return copy_of(rig.T_projector_camera.matrix()); },
           "(4, 4) maps camera coordinates to projector coordinates [mm].")
       .def(
-          "write", [](const Rig& rig, const fs::path& path) { sensing::write_rig(path, rig); },
+          "write",
+          [](const Rig& rig, const fs::path& path) { sensing::write_rig(output_path(path), rig); },
           arg("path"), "Writes rig.yaml, as read_rig() reads it. Raises OutputError.");
   py::class_<Pattern>(module, "Pattern", "A projected pattern: colour stripes and a sinusoid.")
       .def_readonly("period", &Pattern::period, "[px] of the sinusoid.")
@@ -52,7 +77,7 @@ void add_files(py::module_& module) {
       .def(
           "write",
           [](const Pattern& pattern, const fs::path& path) {
-            sensing::write_pattern(path, pattern);
+            sensing::write_pattern(output_path(path), pattern);
           },
           arg("path"), "Writes pattern.yaml, as read_pattern() reads it. Raises OutputError.");
   py::class_<TrainedColors>(module, "TrainedColors", "What the camera sees of each stripe colour.")
@@ -111,8 +136,7 @@ Colours are blue, green, red, as in OpenCV. Raises FileError.)");
         geometry::RangeMap map;
         {
           const Unlocked unlocked;
-          const geometry::Camera camera =
-              sensing::read_camera(rig.value_or(path.parent_path() / "rig.yaml"));
+          const geometry::Camera camera = sensing::read_camera(camera_file(path, rig, scale));
           map = scale ? sensing::read_depth_image(path, *scale, camera)
                       : geometry::RangeMap{geometry::read_depth_tiff(path), camera};
         }

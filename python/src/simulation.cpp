@@ -9,6 +9,7 @@
 #include "bindings.h"
 #include "fields.h"
 #include "long_work.h"
+#include "output_path.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_setup.h"
@@ -158,7 +159,9 @@ void add_plan(py::module_& module) {
                     "[mm] largest distance of a place that may be probed from a contact.")
       .def(
           "write",
-          [](const ContactPlan& plan, const fs::path& path) { probing::write_plan(path, plan); },
+          [](const ContactPlan& plan, const fs::path& path) {
+            probing::write_plan(output_path(path), plan);
+          },
           arg("path"), "Writes plan.json, for `palpate probe run`. Raises OutputError.");
   def_with_options<PlanOptions>(
       module, "plan_contacts(surface: TriangleMesh, *, sensor: ArrayLike | None = None",
@@ -254,6 +257,7 @@ probing::CheckedAcquisition probe(const ContactPlan& plan, const Specimen& speci
         "plan: is of another surface than that of the specimen; make it with "
         "plan_contacts(specimen.surface)");
   }
+  static_cast<void>(output_path(path));
   const std::string description = py::str(py::module_::import("json").attr("dumps")(
       py::dict(arg("arm") = kind, arg("specimen") = specimen.text, arg("seed") = options.seed,
                arg("setup") = "{}")));

@@ -12,12 +12,12 @@
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/winding_number.h"
+#include "places.h"
 
 namespace palpate::python {
 namespace {
 
 using geometry::AllHits;
-using geometry::ClosestPoints;
 using geometry::FirstHits;
 using geometry::Registration;
 using geometry::RegistrationOptions;
@@ -25,31 +25,37 @@ using geometry::SurfaceQuery;
 using geometry::TriangleMesh;
 using geometry::WindingNumber;
 
+/// A query with the size of its mesh.
+struct QueriedMesh {
+  SurfaceQuery query;
+  MeshSize size;
+};
+
 void add_queries(py::module_& module) {
-  py::class_<ClosestPoints>(module, "ClosestPoints",
-                            "Closest points of N points; arrays are views that keep it alive.")
+  py::class_<PlacesOnMesh>(module, "ClosestPoints",
+                           "Closest points of N points; arrays are views that keep it alive.")
       .def_property_readonly(
           "triangles",
           [](const py::object& self) {
-            return vector_view(self.cast<ClosestPoints&>().triangles, self);
+            return vector_view(self.cast<PlacesOnMesh&>().triangles, self);
           },
           "(N,) int32; -1 for a point that is not finite.")
       .def_property_readonly(
           "barycentric",
           [](const py::object& self) {
-            return rows_view(self.cast<ClosestPoints&>().barycentric, self);
+            return rows_view(self.cast<PlacesOnMesh&>().barycentric, self);
           },
           "(N, 3) in the order of the triangle's vertices; 0 without a closest point.")
       .def_property_readonly(
           "positions",
           [](const py::object& self) {
-            return rows_view(self.cast<ClosestPoints&>().positions, self);
+            return rows_view(self.cast<PlacesOnMesh&>().positions, self);
           },
           "[mm] (N, 3); NaN without a closest point.")
       .def_property_readonly(
           "distances",
           [](const py::object& self) {
-            return vector_view(self.cast<ClosestPoints&>().distances, self);
+            return vector_view(self.cast<PlacesOnMesh&>().distances, self);
           },
           "[mm] (N,); NaN without a closest point.");
   py::class_<FirstHits>(module, "FirstHits",
@@ -97,11 +103,11 @@ void add_queries(py::module_& module) {
           "along",
           [](const py::object& self) { return vector_view(self.cast<AllHits&>().along, self); },
           "(M,) share of the way.");
-  py::class_<SurfaceQuery>(module, "SurfaceQuery",
-                           "Closest points on a mesh, and crossings of it, exact in float64.")
+  py::class_<QueriedMesh>(module, "SurfaceQuery",
+                          "Closest points on a mesh, and crossings of it, exact in float64.")
       .def(py::init([](const TriangleMesh& mesh) {
              const Unlocked unlocked;
-             return SurfaceQuery(mesh);
+             return QueriedMesh{SurfaceQuery(mesh), mesh_size(mesh)};
            }),
            arg("mesh"),
            R"(Prepares a copy of the mesh: moving its vertices later does not matter here.
@@ -109,10 +115,10 @@ void add_queries(py::module_& module) {
 Raises InvalidInput if the mesh has no triangle, a vertex that is not finite, or a wrong index.)")
       .def(
           "closest_points",
-          [](const SurfaceQuery& query, const py::object& points) {
+          [](const QueriedMesh& of, const py::object& points) {
             const Points given(points, "points");
             const Unlocked unlocked;
-            return geometry::closest_points(query, given.columns());
+            return PlacesOnMesh{geometry::closest_points(of.query, given.columns()), of.size};
           },
           arg("points"),
           R"(The closest point of the surface to each of (N, 3) points [mm], on all processors.
@@ -120,10 +126,10 @@ Raises InvalidInput if the mesh has no triangle, a vertex that is not finite, or
 A C-contiguous float64 array is read in place. Ctrl-C is not heard.)")
       .def(
           "first_hits",
-          [](const SurfaceQuery& query, const py::object& starts, const py::object& ends) {
+          [](const QueriedMesh& of, const py::object& starts, const py::object& ends) {
             const Points from(starts, "starts"), to(ends, "ends");
             const Unlocked unlocked;
-            return geometry::first_hits(query, from.columns(), to.columns());
+            return geometry::first_hits(of.query, from.columns(), to.columns());
           },
           arg("starts"), arg("ends"),
           R"(The first crossing of the surface on the way from each start to its end, (N, 3) each [mm].
@@ -131,10 +137,10 @@ A C-contiguous float64 array is read in place. Ctrl-C is not heard.)")
 Raises InvalidInput unless there are as many ends as starts. Ctrl-C is not heard.)")
       .def(
           "all_hits",
-          [](const SurfaceQuery& query, const py::object& starts, const py::object& ends) {
+          [](const QueriedMesh& of, const py::object& starts, const py::object& ends) {
             const Points from(starts, "starts"), to(ends, "ends");
             const Unlocked unlocked;
-            return geometry::all_hits(query, from.columns(), to.columns());
+            return geometry::all_hits(of.query, from.columns(), to.columns());
           },
           arg("starts"), arg("ends"),
           R"(All crossings of the surface on the way from each start to its end, (N, 3) each [mm].

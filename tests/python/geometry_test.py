@@ -114,6 +114,21 @@ class Files(unittest.TestCase):
         with self.assertRaises(palpate.InvalidInput):
             palpate.write_mesh("grid.unknown", grid(2, 2))
 
+    def test_a_mistyped_folder_is_not_made(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder) / "resluts"
+            mesh = grid(2, 2)
+            map = palpate.read_range_map(DEMO / "truth/duck.tiff", DEMO / "rig.yaml")
+            rig = palpate.read_rig(DEMO / "rig.yaml")
+            for write in (lambda: palpate.write_mesh(place / "a.ply", mesh), lambda: palpate.write_points(place / "a.pcd", mesh.vertices),
+                          lambda: palpate.write_range_map(place / "a.tiff", map), lambda: rig.write(place / "rig.yaml")):
+                with self.assertRaisesRegex(palpate.OutputError, "there is no folder .*resluts; check the path"):
+                    write()
+                self.assertFalse(place.exists())
+            place.mkdir()
+            palpate.write_mesh(place / "a.ply", mesh)
+            self.assertTrue((place / "a.ply").exists())
+
     # tests/install/check_install.cmake tests that a missing package raises it.
     def test_what_a_build_does_not_have_has_an_error_of_its_own(self):
         self.assertTrue(issubclass(palpate.Unavailable, palpate.Error))
@@ -207,6 +222,23 @@ class Surfaces(unittest.TestCase):
         self.assertAlmostEqual(palpate.straighten_path(surface, path).length, path.length)
         with self.assertRaises(TypeError):
             palpate.geodesic_distance(None, [0])
+
+    def test_places_on_another_mesh_are_refused(self):
+        mesh, other = grid(5, 5), grid(21, 21)
+        places = palpate.SurfaceQuery(mesh).closest_points([[1, 1, 0]])
+        (path,) = palpate.shortest_paths(mesh, places, [3])
+        words = "another mesh, with 25 vertices and 32 triangles; this one has 441 vertices and 800 triangles"
+        for call in (lambda: palpate.geodesic_distance(other, places), lambda: palpate.geodesic_distances(other, places),
+                     lambda: palpate.shortest_paths(other, [0], places), lambda: palpate.straighten_path(other, path)):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                call()
+        moved = palpate.TriangleMesh(mesh.vertices + [0, 0, 5], mesh.triangles)  # the same places later
+        self.assertEqual(palpate.shortest_paths(moved, places, [3])[0].length, path.length)
+
+    def test_coordinates_are_not_taken_for_vertices(self):
+        for sources in ([[0.5, 1, 0]], [0.5, 1, 0], [25]):
+            with self.assertRaisesRegex(palpate.InvalidInput, r"^sources.*given by their indices, \(N,\), and coordinates as ClosestPoints"):
+                palpate.geodesic_distance(grid(5, 5), sources)
 
     def test_sources_may_lie_anywhere_on_the_surface(self):
         mesh = grid(11, 11)
@@ -363,11 +395,17 @@ class RangeMaps(unittest.TestCase):
             path = pathlib.Path(folder) / "map.tiff"
             palpate.write_range_map(path, map)
             np.testing.assert_array_equal(palpate.read_range_map(path, DEMO / "rig.yaml").z, map.z)
-            with self.assertRaisesRegex(palpate.FileError, "rig.yaml"):
+            with self.assertRaisesRegex(palpate.FileError, "map.tiff: needs its camera: .* as rig=, or .* rig.yaml"):
                 palpate.read_range_map(path)
+            with self.assertRaisesRegex(palpate.FileError, "nowhere.tiff: no such file"):
+                palpate.read_range_map(path.parent / "nowhere.tiff")
 
     def test_depth_images_are_read_with_their_unit(self):
         image, camera = DEMO / "depth_sequence/depth/000000.png", DEMO / "depth_sequence/camera.json"
+        with self.assertRaisesRegex(palpate.FileError, "000000.png: a depth image needs scale=, .*: 1 for most"):
+            palpate.read_range_map(image, camera)
+        with self.assertRaisesRegex(palpate.FileError, "000000.png: needs its camera: .* as rig="):
+            palpate.read_range_map(image, scale=1)
         depths = palpate.read_range_map(image, camera, scale=1).z
         self.assertEqual(depths.shape, (150, 200))
         np.testing.assert_array_equal(palpate.read_range_map(image, camera, scale=0.5).z, depths / 2)

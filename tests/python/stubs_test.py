@@ -71,6 +71,34 @@ class Stubs(unittest.TestCase):
                 if isinstance(value, property):
                     self.assertTrue(value.__doc__, f"{name}.{member}")
 
+    def test_functions_name_what_an_object_has_that_they_return(self):
+        checked = 0
+        for owner in (palpate, *(getattr(palpate, name) for name in palpate.__all__)):
+            for name, function in vars(owner).items() if isinstance(owner, type) or owner is palpate else ():
+                doc = getattr(function, "__doc__", None) or ""
+                result = re.match(r"\w+\(.*\) -> (?:Optional\[)?(?:palpate\.)?([A-Z]\w+)", doc)
+                if result is None or not hasattr(palpate, result.group(1)):
+                    continue
+                returned = getattr(palpate, result.group(1))
+                for member in dir(returned):
+                    if isinstance(getattr(returned, member), property):
+                        self.assertRegex(doc, rf"Returns .*\b{member}\b", name)
+                        checked += 1
+        self.assertGreater(checked, 200)
+
+    def test_objects_are_shown_by_what_they_have(self):
+        mesh = palpate.TriangleMesh([[0, 0, 0], [3, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+        self.assertEqual(repr(palpate.geodesic_distance(mesh, [0])),
+                         "<palpate.GeodesicDistance: distance=[0, 3, 4], label=(3,) int32>")
+        self.assertTrue(repr(palpate.repair(mesh)).startswith(
+            "<palpate.RepairedMesh: mesh=TriangleMesh, source=(3,) int32, removed_triangles=0, "))
+        self.assertEqual(repr(palpate.GeodesicSurface(mesh)), "<palpate.GeodesicSurface>")
+        for name in palpate.__all__:
+            value = getattr(palpate, name)
+            if isinstance(value, type) and not issubclass(value, Exception):
+                self.assertIsNot(value.__repr__, object.__repr__, name)
+        self.assertIs(palpate.BallPlacement.__repr__, palpate.ArmPlacement.__repr__)
+
     def test_the_document_names_all_that_one_calls(self):
         text = (REPOSITORY / "docs/python.md").read_text()
         stub = functions_of(ast.parse((PACKAGE / "_palpate.pyi").read_text()))

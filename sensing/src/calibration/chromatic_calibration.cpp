@@ -77,9 +77,9 @@ void check_image(const WhiteImage& white, const geometry::Camera& camera) {
   if (image.cols != camera.width || image.rows != camera.height || image.channels() != 3) {
     throw InvalidInput(white.name + ": is " + std::to_string(image.cols) + " x " +
                        std::to_string(image.rows) + " px with " + std::to_string(image.channels()) +
-                       " channels; three channels of the rig's camera, " +
-                       std::to_string(camera.width) + " x " + std::to_string(camera.height) +
-                       " px, are expected");
+                       (image.channels() == 1 ? " channel" : " channels") +
+                       "; three channels of the rig's camera, " + std::to_string(camera.width) +
+                       " x " + std::to_string(camera.height) + " px, are expected");
   }
   if (white.depth &&
       (white.depth->cols() != camera.width || white.depth->rows() != camera.height)) {

@@ -32,7 +32,8 @@ constexpr double kMostNoise = 10;
 std::array<Plane, 3> channels_of(const cv::Mat& image, const char* name) {
   if (image.channels() != 3) {
     throw InvalidInput(std::string("CrosstalkImages: ") + name + ": has " +
-                       std::to_string(image.channels()) + " channels; three are needed");
+                       std::to_string(image.channels()) +
+                       (image.channels() == 1 ? " channel" : " channels") + "; three are needed");
   }
   std::vector<Plane> planes;  // green, red, blue
   split_frame(image, false, planes);

@@ -161,7 +161,8 @@ void Decoder::Impl::check_frame(const cv::Mat& frame) const {
   }
   if (stripes && frame.channels() != 3) {
     throw InvalidInput("frame: has " + std::to_string(frame.channels()) +
-                       " channels; the pattern's coloured stripes need three");
+                       (frame.channels() == 1 ? " channel" : " channels") +
+                       "; the pattern's coloured stripes need three");
   }
 }
 

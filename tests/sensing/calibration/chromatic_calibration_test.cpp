@@ -223,7 +223,7 @@ TEST(ChromaticCalibration, RefusesWrongArguments) {
   EXPECT_THAT(refusal_of({good}, {.min_contrast = NAN}), HasSubstr("min_contrast"));
   WhiteImage bad = good;
   bad.image = cv::Mat(240, 320, CV_8UC1);
-  EXPECT_THAT(refusal_of({bad}, {}), HasSubstr("1 channels"));
+  EXPECT_THAT(refusal_of({bad}, {}), HasSubstr("with 1 channel;"));
   bad.image = cv::Mat(100, 320, CV_8UC3);
   EXPECT_THAT(refusal_of({bad}, {}), HasSubstr("320 x 100"));
   bad = good;
