@@ -19,6 +19,7 @@ namespace py = pybind11;
 
 void add_errors(py::module_& module);
 void add_meshes(py::module_& module);
+void add_range_maps(py::module_& module);
 void add_surface_functions(py::module_& module);
 void add_clouds(py::module_& module);
 void add_geodesics(py::module_& module);
@@ -33,6 +34,8 @@ void add_rig_trial(py::module_& module);
 void add_probing(py::module_& module);
 void add_arm_placement(py::module_& module);
 void add_simulation(py::module_& module);
+/// Plans, and arms that probe simulated objects.
+void add_campaigns(py::module_& module);
 void add_fitting(py::module_& module);
 void add_evaluation(py::module_& module);
 void add_derived_models(py::module_& module);

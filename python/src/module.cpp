@@ -80,6 +80,7 @@ PYBIND11_MODULE(_palpate, module) {
   module.attr("__module__") = "palpate";  // where users find classes and functions
   python::add_errors(module);
   python::add_meshes(module);
+  python::add_range_maps(module);
   python::add_surface_functions(module);
   python::add_geodesics(module);
   python::add_clouds(module);
@@ -95,6 +96,7 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_evaluation(module);
   python::add_derived_models(module);
   python::add_simulation(module);
+  python::add_campaigns(module);
   python::add_playback(module);
   python::add_device(module);
   module.def(
