@@ -20,7 +20,8 @@ and in the C interface, `--min-signal` on the command line and `min-signal` in p
 switched off by `--no-NAME`, and a table is given row by row (`--anchor 320,240,705`). An option with another name stands behind
 the meaning. In C++ it is the member of the struct, except
 for some fields of `BuildOptions`: `accuracy`, `passive` (`mode`), `max_bases`, `try_certified`, `compare_always` and
-`displacement_noise` are in its `fit`, and `blend` is `blend_rule`.
+`displacement_noise` are in its `fit`, and `blend` is `blend_rule`. `on` and other members of `CouplingOptions` are named without
+`coupling`; `decimal`, `forces_on` and `normals` of `AcquisitionMapping` are explained there.
 Angles are in radian (rad); on the command line and in project files they are in degrees.
 `--help` shows the usual fields, `--help-all` also the *expert* ones, which few users need. A value outside its range is refused.
 

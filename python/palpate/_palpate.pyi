@@ -130,6 +130,9 @@ class RangeMap(metaclass=_Class):
 def read_range_map(path: _Path, rig: _Path | None = ..., scale: float | None = ...) -> RangeMap: ...
 def write_range_map(path: _Path, map: RangeMap) -> None: ...
 def mesh_from(map: RangeMap, *, max_depth_step: float = ..., max_incidence: float = ...) -> TriangleMesh: ...
+def smooth_depths(
+    map: RangeMap, sigma: _Numbers, *, radius_px: int = ..., max_residual: float = ..., max_move: float = ...
+) -> RangeMap: ...
 def select_depths(
     map: RangeMap,
     *,
@@ -367,16 +370,16 @@ def smooth(
 def read_points(path: _Path, *, unit: float | None = ...) -> _Float64: ...
 def write_points(path: _Path, points: _Numbers, *, normals: _Numbers | None = ...) -> None: ...
 def without_outliers(
-    points: _Numbers, *, neighbours: int = ..., max_deviations: float = ..., progress: _Progress = ...
+    points: _Numbers, *, progress: _Progress = ..., neighbours: int = ..., max_deviations: float = ...
 ) -> _Int32: ...
 def without_isolated(points: _Numbers, radius: float, neighbours: int, *, progress: _Progress = ...) -> _Int32: ...
 def voxel_sample(points: _Numbers, edge: float) -> tuple[_Float64, _Int32]: ...
 def poisson_sample(points: _Numbers, min_distance: float, *, progress: _Progress = ...) -> _Int32: ...
 def cloud_clusters(
-    points: _Numbers, max_gap: float, *, min_points: int = ..., progress: _Progress = ...
+    points: _Numbers, *, progress: _Progress = ..., max_gap: float | None = ..., min_points: int = ...
 ) -> _Int32: ...
 def cloud_normals(
-    points: _Numbers, *, neighbours: int = ..., viewpoint: _Numbers | None = ..., progress: _Progress = ...
+    points: _Numbers, *, viewpoint: _Numbers | None = ..., progress: _Progress = ..., neighbours: int = ...
 ) -> _Float64: ...
 def distances_to_cloud(points: _Numbers, cloud: _Numbers, *, progress: _Progress = ...) -> _Float64: ...
 def distances_to_surface(points: _Numbers, mesh: TriangleMesh) -> _Float64: ...
@@ -416,26 +419,32 @@ class CloudCylinder(_Result):
     def length(self) -> float: ...
 
 def find_plane(
-    points: _Numbers, tolerance: float, *, min_share: float = ..., seed: int = ..., progress: _Progress = ...
-) -> CloudPlane | None: ...
-def find_sphere(
     points: _Numbers,
-    tolerance: float,
     *,
+    progress: _Progress = ...,
+    tolerance: float | None = ...,
     min_share: float = ...,
     max_radius: float = ...,
     seed: int = ...,
+) -> CloudPlane | None: ...
+def find_sphere(
+    points: _Numbers,
+    *,
     progress: _Progress = ...,
+    tolerance: float | None = ...,
+    min_share: float = ...,
+    max_radius: float = ...,
+    seed: int = ...,
 ) -> CloudSphere | None: ...
 def find_cylinder(
     points: _Numbers,
     normals: _Numbers,
-    tolerance: float,
     *,
+    progress: _Progress = ...,
+    tolerance: float | None = ...,
     min_share: float = ...,
     max_radius: float = ...,
     seed: int = ...,
-    progress: _Progress = ...,
 ) -> CloudCylinder | None: ...
 
 class SeenBall(_Result):
@@ -820,7 +829,19 @@ class Acquisition(metaclass=_Class):
 
 def read_acquisition(path: _Path) -> Acquisition: ...
 def write_acquisition(path: _Path, acquisition: Acquisition) -> None: ...
-def import_acquisition(files: Sequence[_Path], mapping: _Path | None = ...) -> Acquisition: ...
+def import_acquisition(
+    files: Sequence[_Path],
+    mapping: _Path | None = ...,
+    *,
+    header: bool = ...,
+    decimal: Literal["point", "comma"] = ...,
+    forces_on: Literal["object", "tool"] = ...,
+    content: Literal["presses_and_drags", "presses", "time_series"] = ...,
+    contacts: Literal["table", "column", "place"] = ...,
+    normals: Literal["columns", "forces"] = ...,
+    same_place: float = ...,
+    probe_radius: float | None = ...,
+) -> Acquisition: ...
 
 class Model(_Result):
     @property
@@ -873,6 +894,7 @@ class Fit(_Result):
     @property
     def explained(self) -> float: ...
 
+def contact_surface(acquisition: Acquisition, *, longest_edge: float = ..., tip_radius: float = ...) -> TriangleMesh: ...
 def fit(
     acquisition: Acquisition,
     surface: TriangleMesh | None = ...,
@@ -1324,8 +1346,13 @@ def play_device(
     times: _Numbers | None = ...,
     *,
     device: Literal["hand", "scripted", "recorded"] = ...,
-    coupling: float | None = ...,
     record: _Path | None = ...,
+    coupling: bool = ...,
+    coupling_stiffness: float | None = ...,
+    coupling_safety: float = ...,
+    coupling_damping: float = ...,
+    coupling_tolerance: float = ...,
+    coupling_steps: int = ...,
     max_force: float = ...,
     slew: float = ...,
     ramp: float = ...,

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "long_work.h"
 #include "output_path.h"
 #include "palpate/geometry/attribute.h"
@@ -72,26 +72,21 @@ Its folder must exist. A file is replaced as a whole, or not at all. Raises Inva
 }
 
 void add_selection(py::module_& module) {
-  using geometry::OutlierOptions;
-  module.def(
-      "without_outliers",
-      [](const py::object& points, int neighbours, double max_deviations,
-         const py::object& progress) {
+  def_with_options<geometry::OutlierOptions>(
+      module, "without_outliers(points: ArrayLike, *, progress: Callable | None = None", "NDArray",
+      R"(Indices of the points that are not unusually far from their neighbours, ascending: int32.
+
+progress: called as progress(done, total) after each part of the points; Ctrl-C is heard then.
+Raises InvalidInput.)",
+      [](const py::object& points, const py::object& progress, const py::kwargs& keywords) {
+        auto options = options_from<geometry::OutlierOptions>(keywords);
         const Points given(points, "points");
         LongWork work(progress);
-        const OutlierOptions options{
-            .neighbours = neighbours, .max_deviations = max_deviations, .progress = work.report()};
+        options.progress = work.report();
         return array_of(
             work.run([&] { return geometry::without_outliers(given.columns(), options); }));
       },
-      arg("points"), kw_only(), arg("neighbours") = OutlierOptions{}.neighbours,
-      arg("max_deviations") = OutlierOptions{}.max_deviations, arg("progress") = py::none(),
-      R"(Indices of the points that are not unusually far from their neighbours, ascending: int32.
-
-max_deviations: a point is left out if its mean distance from its neighbours exceeds the mean of
-that of all points by more than this many of its standard deviations.
-progress: called as progress(done, total) after each part of the points; Ctrl-C is heard then.
-Raises InvalidInput.)");
+      arg("points"), kw_only(), arg("progress") = py::none());
   module.def(
       "without_isolated",
       [](const py::object& points, double radius, int neighbours, const py::object& progress) {
@@ -133,47 +128,47 @@ finite. Raises InvalidInput. Ctrl-C is not heard.)");
 
 progress: called as progress(done, total) after each part of the points; Ctrl-C is heard then.
 Raises InvalidInput.)");
-  module.def(
-      "cloud_clusters",
-      [](const py::object& points, double max_gap, int min_points, const py::object& progress) {
+  def_with_options<geometry::CloudClusterOptions>(
+      module, "cloud_clusters(points: ArrayLike, *, progress: Callable | None = None", "NDArray",
+      R"(The cluster of each point, (N,) int32: 0 is the largest; -1: in none.
+
+Give max_gap.
+progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
+Raises InvalidInput.)",
+      [](const py::object& points, const py::object& progress, const py::kwargs& keywords) {
+        auto options = options_from<geometry::CloudClusterOptions>(keywords);
         const Points given(points, "points");
         LongWork work(progress);
-        const geometry::CloudClusterOptions options{
-            .max_gap = max_gap, .min_points = min_points, .progress = work.report()};
+        options.progress = work.report();
         return array_of(
             work.run([&] { return geometry::cloud_clusters(given.columns(), options); }).cluster);
       },
-      arg("points"), arg("max_gap"), kw_only(),
-      arg("min_points") = geometry::CloudClusterOptions{}.min_points, arg("progress") = py::none(),
-      R"(The cluster of each point, (N,) int32: 0 is the largest; -1: in none.
-
-Points at most max_gap [mm] apart are in one cluster; clusters of fewer than min_points are left out.
-progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
-Raises InvalidInput.)");
+      arg("points"), kw_only(), arg("progress") = py::none());
 }
 
 void add_measures(py::module_& module) {
-  using geometry::CloudNormalOptions;
-  module.def(
-      "cloud_normals",
-      [](const py::object& points, int neighbours, const py::object& viewpoint,
-         const py::object& progress) {
+  def_with_options<geometry::CloudNormalOptions>(
+      module,
+      "cloud_normals(points: ArrayLike, *, viewpoint: ArrayLike | None = None, progress: Callable "
+      "| None = None",
+      "NDArray",
+      R"(Unit normals of the planes of the nearest neighbours of each point, (N, 3); NaN where unknown.
+
+viewpoint: [mm] (3,) where the points were seen from: normals point there. None: neighbours get the
+same side, and normals point outwards.
+progress: called as progress(done, total) after each part of the points; Ctrl-C is heard then.
+Raises InvalidInput.)",
+      [](const py::object& points, const py::object& viewpoint, const py::object& progress,
+         const py::kwargs& keywords) {
+        auto options = options_from<geometry::CloudNormalOptions>(keywords);
         const Points given(points, "points");
         LongWork work(progress);
-        CloudNormalOptions options{.neighbours = neighbours, .progress = work.report()};
+        options.progress = work.report();
         if (!viewpoint.is_none()) options.viewpoints = vector3(viewpoint, "viewpoint");
         return own_rows(work.run(
             [&] { return std::move(geometry::cloud_normals(given.columns(), options).normals); }));
       },
-      arg("points"), kw_only(), arg("neighbours") = CloudNormalOptions{}.neighbours,
-      arg("viewpoint") = py::none(), arg("progress") = py::none(),
-      R"(Unit normals of the planes of the nearest neighbours of each point, (N, 3); NaN where unknown.
-
-neighbours: points whose plane gives a normal, the point itself among them.
-viewpoint: [mm] (3,) where the points were seen from: normals point there. None: neighbours get the
-same side, and normals point outwards.
-progress: called as progress(done, total) after each part of the points; Ctrl-C is heard then.
-Raises InvalidInput.)");
+      arg("points"), kw_only(), arg("viewpoint") = py::none(), arg("progress") = py::none());
   module.def(
       "distances_to_cloud",
       [](const py::object& points, const py::object& cloud, const py::object& progress) {
@@ -218,17 +213,26 @@ py::class_<Shape> add_shape(py::module_& module, const char* name, const char* d
           "[mm] of the distances of these points from the shape.");
 }
 
-CloudShapeOptions shape_options(double tolerance, double min_share, double max_radius,
-                                std::uint64_t seed, LongWork& work) {
-  return {.tolerance = tolerance,
-          .min_share = min_share,
-          .max_radius = max_radius,
-          .seed = seed,
-          .progress = work.report()};
+/// Adds a function that finds a shape. \param find called with points and options.
+template <typename Shape>
+void def_shape(py::module_& module, const std::string& name, const std::string& shape,
+               const std::string& text,
+               std::optional<Shape> (*find)(const Eigen::Ref<const Eigen::Matrix3Xd>&,
+                                            const CloudShapeOptions&)) {
+  def_with_options<CloudShapeOptions>(
+      module, name + "(points: ArrayLike, *, progress: Callable | None = None", shape + " | None",
+      text,
+      [find](const py::object& points, const py::object& progress, const py::kwargs& keywords) {
+        auto options = options_from<CloudShapeOptions>(keywords);
+        const Points given(points, "points");
+        LongWork work(progress);
+        options.progress = work.report();
+        return work.run([&] { return find(given.columns(), options); });
+      },
+      arg("points"), kw_only(), arg("progress") = py::none());
 }
 
 void add_shapes(py::module_& module) {
-  const CloudShapeOptions usual;
   add_shape<CloudPlane>(module, "CloudPlane", "A plane in a cloud.")
       .def_property_readonly(
           "point", [](const CloudPlane& plane) { return copy_of(plane.point); },
@@ -249,61 +253,38 @@ void add_shapes(py::module_& module) {
           "(3,) of unit length; its largest coordinate is positive.")
       .def_readonly("radius", &CloudCylinder::radius, "[mm]")
       .def_readonly("length", &CloudCylinder::length, "[mm] of the inliers along the axis.");
-  module.def(
-      "find_plane",
-      [](const py::object& points, double tolerance, double min_share, std::uint64_t seed,
-         const py::object& progress) {
-        const Points given(points, "points");
-        LongWork work(progress);
-        const CloudShapeOptions options =
-            shape_options(tolerance, min_share, CloudShapeOptions{}.max_radius, seed, work);
-        return work.run([&] { return geometry::find_plane(given.columns(), options); });
-      },
-      arg("points"), arg("tolerance"), kw_only(), arg("min_share") = usual.min_share,
-      arg("seed") = usual.seed, arg("progress") = py::none(),
+  def_shape<CloudPlane>(
+      module, "find_plane", "CloudPlane",
       R"(The largest plane in (N, 3) points [mm], by random samples and least squares; None without one.
 
-tolerance: [mm] points at most this far from the plane are on it.
-min_share: a plane is found if this share of the points is on it.
-seed: of the random samples.
+Give tolerance; a plane has no max_radius.
 progress: called as progress(done, total) after each part of the search; Ctrl-C is heard then.
-Raises InvalidInput.)");
-  module.def(
-      "find_sphere",
-      [](const py::object& points, double tolerance, double min_share, double max_radius,
-         std::uint64_t seed, const py::object& progress) {
-        const Points given(points, "points");
-        LongWork work(progress);
-        const CloudShapeOptions options =
-            shape_options(tolerance, min_share, max_radius, seed, work);
-        return work.run([&] { return geometry::find_sphere(given.columns(), options); });
-      },
-      arg("points"), arg("tolerance"), kw_only(), arg("min_share") = usual.min_share,
-      arg("max_radius") = usual.max_radius, arg("seed") = usual.seed, arg("progress") = py::none(),
-      R"(The largest sphere in (N, 3) points [mm]; None without one.
+Raises InvalidInput.)",
+      &geometry::find_plane);
+  def_shape<CloudSphere>(module, "find_sphere", "CloudSphere",
+                         R"(The largest sphere in (N, 3) points [mm]; None without one.
 
-max_radius: [mm] of a sphere; a plane is nearly a sphere of a large radius.
-Other arguments and errors are those of find_plane().)");
-  module.def(
-      "find_cylinder",
-      [](const py::object& points, const py::object& normals, double tolerance, double min_share,
-         double max_radius, std::uint64_t seed, const py::object& progress) {
+Give tolerance. progress and errors are those of find_plane().)",
+                         &geometry::find_sphere);
+  def_with_options<CloudShapeOptions>(
+      module,
+      "find_cylinder(points: ArrayLike, normals: ArrayLike, *, progress: Callable | None = None",
+      "CloudCylinder | None",
+      R"(The largest cylinder in (N, 3) points [mm]; None without one.
+
+normals: (N, 3), as from cloud_normals(); their side does not matter.
+Give tolerance. progress and errors are those of find_plane().)",
+      [](const py::object& points, const py::object& normals, const py::object& progress,
+         const py::kwargs& keywords) {
+        auto options = options_from<CloudShapeOptions>(keywords);
         const Points given(points, "points"), directions(normals, "normals");
         LongWork work(progress);
-        const CloudShapeOptions options =
-            shape_options(tolerance, min_share, max_radius, seed, work);
+        options.progress = work.report();
         return work.run([&] {
           return geometry::find_cylinder(given.columns(), directions.columns(), options);
         });
       },
-      arg("points"), arg("normals"), arg("tolerance"), kw_only(),
-      arg("min_share") = usual.min_share, arg("max_radius") = usual.max_radius,
-      arg("seed") = usual.seed, arg("progress") = py::none(),
-      R"(The largest cylinder in (N, 3) points [mm]; None without one.
-
-normals: (N, 3), as from cloud_normals(); their side does not matter.
-max_radius: [mm] of a cylinder.
-Other arguments and errors are those of find_plane().)");
+      arg("points"), arg("normals"), kw_only(), arg("progress") = py::none());
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -83,39 +82,29 @@ void refuse_idle_fields(const std::string& device, const py::kwargs& keywords) {
   }
 }
 
-haptics::CouplingOptions coupling_of(const std::optional<double>& stiffness) {
-  if (!stiffness) return {};
-  if (std::isinf(*stiffness)) return {.on = false};
-  return {.stiffness = stiffness};
-}
-
 void add_play(py::module_& module) {
-  devices::SafetyOptions usual;
+  haptics::DeviceLoopOptions usual;
   HandOptions usual_hand;
   def_with_fields(
-      module, fields_of_both(usual, usual_hand),
+      module, fields_of_all(usual.coupling, usual.safety, usual_hand),
       "play_device(playback: Playback, tools: ArrayLike, times: ArrayLike | None = None, *, "
       "device: "
-      "Literal['hand', 'scripted', 'recorded'] = 'hand', coupling: float | None = None, record: "
-      "str "
-      "| PathLike | None = None",
+      "Literal['hand', 'scripted', 'recorded'] = 'hand', record: str | PathLike | None = None",
       "DeviceReport",
       R"(Closes the loop between a model and a simulated device, as `palpate play --device` does.
 
 tools: [mm] (N, 3) where the device or its hand wants to be; times: (N,) [s]; None: 1 kHz.
 device: 'hand', which the forces move, or one that follows the way whatever it feels: 'scripted'
 smoothly, at rest in each point, 'recorded' straight.
-coupling: [N/mm] of the virtual coupling; None: by the damping and delay of the device; infinite:
-without it.
 record: file to write, for read_device_trace().
 Of the hand's options, the other devices take only rate. Raises InvalidInput or OutputError. Ctrl-C
 is not heard.)",
       [](const std::shared_ptr<Playback>& playback, const py::object& tools,
-         const py::object& times, const std::string& device, const std::optional<double>& coupling,
-         const std::optional<fs::path>& record, const py::kwargs& keywords) {
-        haptics::DeviceLoopOptions loop{.coupling = coupling_of(coupling)};
+         const py::object& times, const std::string& device, const std::optional<fs::path>& record,
+         const py::kwargs& keywords) {
+        haptics::DeviceLoopOptions loop;
         HandOptions hand;
-        set_fields(fields_of_both(loop.safety, hand), keywords);
+        set_fields(fields_of_all(loop.coupling, loop.safety, hand), keywords);
         static_cast<void>(in_range(hand));
         if (record) static_cast<void>(output_path(*record));
         if (device != "hand") refuse_idle_fields(device, keywords);
@@ -130,7 +119,7 @@ is not heard.)",
         return run.finish();
       },
       arg("playback"), arg("tools"), arg("times") = py::none(), kw_only(), arg("device") = "hand",
-      arg("coupling") = py::none(), arg("record") = py::none());
+      arg("record") = py::none());
   module.def(
       "read_device_trace",
       [](const fs::path& path) {

@@ -232,7 +232,7 @@ void add_solid_identification(py::module_& module) {
   haptics::SolidOptions usual;
   haptics::IdentifyOptions usual_estimate;
   def_with_fields(
-      module, fields_of_both(usual, usual_estimate),
+      module, fields_of_all(usual, usual_estimate),
       "identify_solid(acquisition: Acquisition, specimen: Specimen, *, progress: Callable | None = "
       "None",
       "IdentifiedSolid",
@@ -245,7 +245,7 @@ Raises InvalidInput or SolverError; warns (UserWarning) of suspicious measuremen
          const py::object& progress, const py::kwargs& keywords) {
         haptics::SolidOptions solid;
         haptics::IdentifyOptions options;
-        set_fields(fields_of_both(solid, options), keywords);
+        set_fields(fields_of_all(solid, options), keywords);
         check_plausible("identify_solid()", acquisition);
         const std::string source = "specimen";
         LongWork work(progress);

@@ -30,13 +30,10 @@ template <typename Options>
   return options;
 }
 
-/// The fields of two structs that one call takes.
-template <typename First, typename Second>
-[[nodiscard]] FieldList fields_of_both(First& first, Second& second) {
-  return [&](FieldVisitor& visitor) {
-    visit(first, visitor);
-    visit(second, visitor);
-  };
+/// The fields of several structs that one call takes.
+template <typename... Structs>
+[[nodiscard]] FieldList fields_of_all(Structs&... structs) {
+  return [&](FieldVisitor& visitor) { (visit(structs, visitor), ...); };
 }
 
 /// Adds a function that takes fields as keyword arguments.

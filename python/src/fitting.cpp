@@ -158,17 +158,19 @@ std::vector<std::pair<long long, std::string>> left_out(const BuildResult& built
   return misfits;
 }
 
-/// The surface that is given, or one of the contacts.
-geometry::TriangleMesh surface_of(const CheckedAcquisition& acquisition,
-                                  const geometry::TriangleMesh* given) {
-  if (given != nullptr) return *given;
-  const double radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius);
-  return probing::contact_surface(acquisition.contacts(), {.tip_radius = radius}).mesh;
+/// A surface of the contacts.
+geometry::TriangleMesh contact_surface(const CheckedAcquisition& acquisition,
+                                       const py::kwargs& keywords) {
+  probing::ContactSurfaceOptions options;
+  options.tip_radius = acquisition.records().probe_radius.value_or(options.tip_radius);
+  set_fields(fields_of(options), keywords);
+  const Unlocked unlocked;
+  return probing::contact_surface(acquisition.contacts(), options).mesh;
 }
 
-BuildResult fit(const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,
+BuildResult fit(const CheckedAcquisition& acquisition, const geometry::TriangleMesh& surface,
                 const haptics::BuildOptions& options) {
-  BuildResult built = haptics::build_model(acquisition, surface_of(acquisition, surface), options);
+  BuildResult built = haptics::build_model(acquisition, surface, options);
   built.model.made["program"] = "palpate " PALPATE_VERSION " (Python)";
   return built;
 }
@@ -224,9 +226,18 @@ object, or SolverError; warns (UserWarning) of what is suspicious.)",
           if (stage == haptics::BuildStage::fields) report(done, total);
         };
         check_plausible("fit()", acquisition);
-        return work.run([&] { return fit(acquisition, surface, options); });
+        const geometry::TriangleMesh made =
+            surface == nullptr ? contact_surface(acquisition, {}) : *surface;
+        return work.run([&] { return fit(acquisition, made, options); });
       },
       arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("progress") = py::none());
+  def_with_options<probing::ContactSurfaceOptions>(
+      module, "contact_surface(acquisition: Acquisition, *", "TriangleMesh",
+      R"(A surface of the contacts, flat between them, for an object without a scan.
+
+fit() without a surface takes this one. Without tip_radius: that of the ball that touched
+the object, if the acquisition states it. Raises InvalidInput. Ctrl-C is not heard.)",
+      &contact_surface, arg("acquisition"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "fields.h"
 #include "output_path.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/acquisition_import.h"
@@ -19,6 +20,7 @@ namespace palpate::python {
 namespace {
 
 namespace fs = std::filesystem;
+using probing::AcquisitionMapping;
 using probing::CheckedAcquisition;
 using probing::Contact;
 using probing::Sample;
@@ -110,12 +112,12 @@ CheckedAcquisition new_acquisition(const py::object& contacts, const py::object&
   return made;
 }
 
-CheckedAcquisition imported(const std::vector<fs::path>& files,
-                            const std::optional<fs::path>& mapping) {
+CheckedAcquisition imported(const std::vector<fs::path>& files, const std::optional<fs::path>& file,
+                            const py::kwargs& keywords) {
+  AcquisitionMapping mapping = file ? probing::read_mapping(*file) : AcquisitionMapping{};
+  set_fields(fields_of(mapping), keywords);
   const Unlocked unlocked;
-  return probing::import_acquisition(
-             files, mapping ? probing::read_mapping(*mapping) : probing::AcquisitionMapping{})
-      .acquisition;
+  return probing::import_acquisition(files, mapping).acquisition;
 }
 
 void add_acquisition(py::module_& module) {
@@ -183,20 +185,25 @@ Raises InvalidInput naming the contact or the sample that is wrong.)")
       },
       arg("path"), arg("acquisition"),
       "Writes a database of measurements, as a whole or not at all. Raises OutputError.");
-  module.def(
-      "import_acquisition",
-      [](const std::vector<fs::path>& files, const std::optional<fs::path>& mapping) {
-        const CheckedAcquisition acquisition = imported(files, mapping);
-        check_plausible("import_acquisition()", acquisition);
-        return acquisition;
-      },
-      arg("files"), arg("mapping") = py::none(),
+  def_with_options<AcquisitionMapping>(
+      module,
+      "import_acquisition(files: Sequence[str | PathLike], mapping: str | PathLike | None = None, "
+      "*",
+      "Acquisition",
       R"(Reads contacts and samples from CSV or MAT files, as `palpate probe import` does.
 
 files: usually two tables, of contacts and of samples (docs/measurements.md).
-mapping: file (YAML) that says how files of another laboratory are to be read.
+mapping: file (YAML) that says how files of another laboratory are to be read; other arguments change
+single fields of it.
 Raises FileError, or InvalidInput if these cannot be measurements of an object; warns (UserWarning)
-of what is suspicious. Ctrl-C is not heard.)");
+of what is suspicious. Ctrl-C is not heard.)",
+      [](const std::vector<fs::path>& files, const std::optional<fs::path>& mapping,
+         const py::kwargs& keywords) {
+        const CheckedAcquisition acquisition = imported(files, mapping, keywords);
+        check_plausible("import_acquisition()", acquisition);
+        return acquisition;
+      },
+      arg("files"), arg("mapping") = py::none());
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_selection.h"
+#include "palpate/geometry/range_map_smoothing.h"
 #include "plausible.h"
 
 namespace palpate::python {
@@ -139,6 +140,19 @@ heard.)",
         return RangeMap{geometry::select_depths(map, options, kept).z, map.camera};
       },
       arg("map"), kw_only(), arg("mask") = py::none());
+  def_with_options<geometry::RangeMapSmoothingOptions>(
+      module, "smooth_depths(map: RangeMap, sigma: ArrayLike, *", "RangeMap",
+      R"(Reduces the noise of depths within their standard deviations; steps stay where they are.
+
+sigma: [mm] (height, width) of each depth; one without it (NaN) stays as it is.
+Raises InvalidInput. Ctrl-C is not heard.)",
+      [](const RangeMap& map, const py::object& sigma, const py::kwargs& keywords) {
+        const auto options = options_from<geometry::RangeMapSmoothingOptions>(keywords);
+        const geometry::ImageF deviations = image(sigma, "sigma");
+        const Unlocked unlocked;
+        return RangeMap{geometry::smooth_range_map(map.z, deviations, options), map.camera};
+      },
+      arg("map"), arg("sigma"));
 }
 
 }  // namespace palpate::python

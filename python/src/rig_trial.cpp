@@ -150,7 +150,7 @@ void add_rig_trial(py::module_& module) {
   sensing::VirtualSensor usual_sensor;
   sensing::DecodeOptions usual_options;
   def_with_fields(
-      module, fields_of_both(usual_sensor, usual_options),
+      module, fields_of_all(usual_sensor, usual_options),
       "try_rig(rig: Rig, pattern: Pattern, bodies: Sequence[Body], *", "RigTrial",
       R"(Simulates a measurement: the pattern on the bodies, the camera's frames, training and decoding.
 
@@ -160,7 +160,7 @@ image is its anchor. Raises InvalidInput. Ctrl-C is not heard: it takes seconds.
          const py::kwargs& keywords) {
         sensing::VirtualSensor sensor;
         sensing::TrialOptions options;
-        set_fields(fields_of_both(sensor, options.decode), keywords);
+        set_fields(fields_of_all(sensor, options.decode), keywords);
         const Unlocked unlocked;
         options.decoder_rig = sensing::rig_of_drawing(rig);
         return sensing::try_rig(rig, pattern, sensing::draw_pattern(pattern, rig), bodies, sensor,

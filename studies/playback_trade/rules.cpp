@@ -104,7 +104,9 @@ void print_rules(int ticks) {
            {std::pair(ContactMotion::bracketed, "bracketed"),
             std::pair(ContactMotion::brent, "brent"),
             std::pair(ContactMotion::friction_boundary, "friction_boundary")}) {
-        const SlideFigures f = slide(object, {.motion = rule, .energy_credit = kInfinite}, path);
+        haptics::PlaybackOptions options{.motion = rule};
+        if (rule == ContactMotion::bracketed) options.energy_credit = kInfinite;
+        const SlideFigures f = slide(object, options, path);
         fmt::print("| {} | {} | {} | {:.2g} | {:.2g}, {:.2g} | {:.2g}, {:.2g} |\n", object.name,
                    friction, name, f.mean_us, 1e3 * quantile(f.residuals, 0.5),
                    1e3 * quantile(f.residuals, 0.99), 1e3 * quantile(f.errors, 0.5),

@@ -300,6 +300,12 @@ TEST_F(Cloud, RefusesWrongCalls) {
   EXPECT_THAT(wrong({scene, "--normals", "2", "-o", out}), HasSubstr("whole number in [3, 1000]"));
   EXPECT_THAT(wrong({scene, "--isolated", "nan,3", "-o", out}), HasSubstr("MM,COUNT with MM > 0"));
   EXPECT_THAT(wrong({scene, "--voxel", "-1", "-o", out}), HasSubstr("must be > 0 and finite"));
+  EXPECT_THAT(wrong({scene, "--plane", "0", "-o", out}),
+              HasSubstr("--plane: is \"0\"; it must be a number > 0 and finite"));
+  EXPECT_THAT(wrong({scene, "--plane", "1", "--max-radius", "9", "-o", out}),
+              HasSubstr("--max-radius: does nothing without --sphere or --cylinder"));
+  EXPECT_THAT(wrong({scene, "--normals", "16", "--min-points", "9", "-o", out}),
+              HasSubstr("--min-points: does nothing without --cluster"));
   std::filesystem::create_directory(scratch / "range");
   EXPECT_THAT(wrong({scratch / "range", "-o", out}), HasSubstr("is a folder"));
   EXPECT_THAT(wrong({scene, "--unit", "m", "-o", out}), HasSubstr("range maps are in mm"));

@@ -122,7 +122,7 @@ TEST_F(PlayDevice, ReadsBinaryTrajectoriesWithAndWithoutADevice) {
 
 TEST_F(PlayDevice, FollowsTrajectoriesAndHoldsTheArm) {
   const json recorded = figures(
-      {"--device", "recorded", "--trajectory", press(), "--coupling", "off", "--ramp", "0.001"});
+      {"--device", "recorded", "--trajectory", press(), "--no-coupling", "--ramp", "0.001"});
   EXPECT_GT(recorded["largest_force"], 0.2);
   EXPECT_TRUE(recorded["coupling_stiffness"].is_null());
   const json arm = figures({"--device", "arm", "--trajectory", press()});
@@ -209,7 +209,8 @@ TEST_F(PlayDevice, RefusesCallsWithoutSense) {
        "--device recorded has rate [Hz]"},
       {{"--device", "arm", "--trajectory", press(), "--set", "delay=1"},
        "--device arm has mass [kg], damping [N s/mm], stiffness [N/mm]"},
-      {{"--device", "hand", "--trajectory", press(), "--coupling", "-1"}, "--coupling: is -1"},
+      {{"--device", "hand", "--trajectory", press(), "--coupling-stiffness", "-1"},
+       "--coupling-stiffness: is -1"},
       {{"--device", "hand", "--trajectory", press(), "--record", *scratch / "t.csv"},
        "give --session"},
       {{"--device", "hand", "--trajectory", press(), "--set", "delay=nan"},
@@ -253,7 +254,7 @@ TEST_F(PlayDevice, RefusesEachOptionWhereItDoesNothing) {
       {{"--session", *scratch / "s.bin"}, {{along, device}, {replay, device}, {stability, device}}},
       {{"--pose", *scratch / "pose.txt"}, {{along, device}, {replay, device}, {stability, device}}},
       {{"--scale", "2"}, {{along, device}, {replay, device}}},
-      {{"--coupling", "auto"}, {{along, device}, {replay, device}}},
+      {{"--no-coupling"}, {{along, device}, {replay, device}}},
       {{"--max-force", "3.3"}, {{along, device}, {replay, device}}},
       {{"--slew", "1000"}, {{along, device}, {replay, device}, {stability, device}}},
       {{"--ramp", "0.5"}, {{along, device}, {replay, device}, {stability, device}}},

@@ -118,7 +118,7 @@ TEST_F(WrongOptions, OfPattern) {
        {with_output({"pattern", "--rig", rig, "--period", "769"}), "768"},
        {with_output({"pattern", "--number-of-colors", "1"}), "--number-of-colors: is 1"},
        {with_output({"pattern", "--stripes", "1"}), "--stripes: is 1"},
-       {with_output({"pattern", "--bits", "12"}), "--bits: "},
+       {with_output({"pattern", "--bits", "12"}), "--bits is 12"},
        {with_output({"pattern", "--grey-steps", "300"}), "--grey-steps: is 300"},
        {with_output({"pattern", "--rig", rig, "--distances", "900", "500"}),
         "--distances: the nearest object, at 900 mm, is farther away"},

@@ -37,22 +37,28 @@ Results poisson(const Input& input, const Change&) {
   return {chosen(poisson_sample(input.cloud, 3 * input.length), input)};
 }
 
-Results statistics(const Input& input, const Change&) {
-  return {chosen(without_outliers(input.cloud, {.max_deviations = 1.5}), input)};
+Results statistics(const Input& input, const Change& change) {
+  OutlierOptions options{.max_deviations = 1.5};
+  change(fields_of(options));
+  return {chosen(without_outliers(input.cloud, options), input)};
 }
 
 Results isolated(const Input& input, const Change&) {
   return {chosen(without_isolated(input.cloud, 3.5 * input.length, 4), input)};
 }
 
-Results normals_of(const Input& input, const Change&) {
-  const CloudNormals found = cloud_normals(input.cloud);
+Results normals_of(const Input& input, const Change& change) {
+  CloudNormalOptions options;
+  change(fields_of(options));
+  const CloudNormals found = cloud_normals(input.cloud, options);
   return {unknown_allowed(vectors("normals", found.normals, kNumber, &Order::cloud, 1e-7)),
           planes(found.normals)};
 }
 
-Results clusters(const Input& input, const Change&) {
-  const CloudClusters found = cloud_clusters(input.cloud, {.max_gap = 2 * input.length});
+Results clusters(const Input& input, const Change& change) {
+  CloudClusterOptions options{.max_gap = 2 * input.length};
+  change(fields_of(options));
+  const CloudClusters found = cloud_clusters(input.cloud, options);
   Eigen::VectorXd sizes(static_cast<Eigen::Index>(found.sizes.size()));
   for (Eigen::Index i = 0; i < sizes.size(); ++i)
     sizes[i] = found.sizes[static_cast<std::size_t>(i)];
@@ -68,31 +74,35 @@ Results distances(const Input& input, const Change&) {
                                   kLength, &Order::cloud))};
 }
 
-CloudShapeOptions shape_options_of(const Input& input) {
-  return {.tolerance = 1.5 * input.length,
-          .min_share = 0.1,
-          .max_radius = 60 * input.extent * input.length};
+CloudShapeOptions shape_options_of(const Input& input, const Change& change) {
+  CloudShapeOptions options{.tolerance = 1.5 * input.length,
+                            .min_share = 0.1,
+                            .max_radius = 60 * input.extent * input.length};
+  change(fields_of(options));
+  return options;
 }
 
-Results plane(const Input& input, const Change&) {
-  const auto found = find_plane(input.cloud, shape_options_of(input));
+Results plane(const Input& input, const Change& change) {
+  CloudShapeOptions options{.tolerance = 1.5 * input.length};
+  change(fields_of(options));
+  const auto found = find_plane(input.cloud, options);
   return {
       number("found", found ? 1 : 0),
       number("inliers", found ? static_cast<double>(found->inliers.size()) : 0, kNumber, kRoughly),
       number("rms", found ? found->rms : 0, kLength, kRoughly)};
 }
 
-Results sphere(const Input& input, const Change&) {
-  const auto found = find_sphere(input.cloud, shape_options_of(input));
+Results sphere(const Input& input, const Change& change) {
+  const auto found = find_sphere(input.cloud, shape_options_of(input, change));
   return {
       number("found", found ? 1 : 0),
       number("inliers", found ? static_cast<double>(found->inliers.size()) : 0, kNumber, kRoughly),
       number("radius", found ? found->radius : 0, kLength, kRoughly)};
 }
 
-Results cylinder(const Input& input, const Change&) {
-  const auto found =
-      find_cylinder(input.cloud, cloud_normals(input.cloud).normals, shape_options_of(input));
+Results cylinder(const Input& input, const Change& change) {
+  const auto found = find_cylinder(input.cloud, cloud_normals(input.cloud).normals,
+                                   shape_options_of(input, change));
   return {number("found", found ? 1 : 0), number("radius", found ? found->radius : 0, kLength, 1)};
 }
 
@@ -112,14 +122,14 @@ std::vector<Operation> cloud_operations() {
   return {
       {"voxel_sample", kCloud, voxels, 0, 8},
       {"poisson_sample", kCloud, poisson, 0, 0},
-      {"without_outliers", kCloud, statistics, 0, 0},
+      {"without_outliers", kOptions | kCloud, statistics, 0, 0},
       {"without_isolated", kCloud, isolated, 0, 0},
-      {"cloud_normals", kCloud, normals_of, 0, 64},
-      {"cloud_clusters", kCloud, clusters, 0, 0},
+      {"cloud_normals", kOptions | kCloud, normals_of, 0, 64},
+      {"cloud_clusters", kOptions | kCloud, clusters, 0, 0},
       {"distances of points", kCloud | kPlaces | kBall, distances, 0, 8},
-      {"find_plane", kCloud, plane, 0, 64},
-      {"find_sphere", kCloud, sphere, 0, 64},
-      {"find_cylinder", kCloud, cylinder, 0, 64},
+      {"find_plane", kOptions | kCloud, plane, 0, 64},
+      {"find_sphere", kOptions | kCloud, sphere, 0, 64},
+      {"find_cylinder", kOptions | kCloud, cylinder, 0, 64},
       {"find_ball", kCloud, seen_ball, 0, 1e3},
   };
 }

@@ -76,6 +76,7 @@ const std::vector<Growth>& stated_growth() {
       {"plan_contacts", kCells, 2, 8, 1.3, 560},
       {"try_specimen", kPlanned, 1, 4, 1.4, 490000},
       {"known_forces", kQuery, 1, 4, 1.5, 67000},
+      {"contact_surface", kContact, 2, 8, 1.3, 9000},
       {"CheckedAcquisition", kSample, 2, 8, 1.5, 240},
       {"judge_slip", kSample, 2, 8, 1.3, 47},
       {"ConePosterior", kTrial, 2, 8, 1.3, 200},

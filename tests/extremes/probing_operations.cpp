@@ -10,6 +10,7 @@
 #include "palpate/probing/closed_form.h"
 #include "palpate/probing/cone_posterior.h"
 #include "palpate/probing/contact_plan.h"
+#include "palpate/probing/contact_surface.h"
 #include "palpate/probing/force_surrogate.h"
 #include "palpate/probing/known_forces.h"
 #include "palpate/probing/probing_program.h"
@@ -94,6 +95,14 @@ Results truth(const Input& input, const Change& change) {
     displacements.col(i) = found.forces[static_cast<std::size_t>(i)].displacement;
   return {number("known", static_cast<double>(displacements.cols())),
           numbers("displacements", displacements.reshaped(), kLength)};
+}
+
+Results surface_of_contacts(const Input& input, const Change& change) {
+  ContactSurfaceOptions options{.tip_radius = 1.5 * input.length};
+  change(fields_of(options));
+  const ContactSurface found = contact_surface(input.acquisition.contacts, options);
+  return {number("contacts", static_cast<double>(found.kept.size())),
+          number("triangles", static_cast<double>(found.mesh.triangles.cols()))};
 }
 
 Results checked(const Input& input, const Change&) {
@@ -204,6 +213,7 @@ std::vector<Operation> probing_operations() {
       {"plan_contacts", kOptions | kSheet | kForces, planning, 0, 64},
       {"try_specimen", kForces, trials, 1e-12},
       {"known_forces", kOptions | kForces, truth, 1e-12},
+      {"contact_surface", kOptions | kAcquisition, surface_of_contacts},
       {"CheckedAcquisition", kAcquisition, checked, 0, 0},
       {"judge_slip", kAcquisition, slip, 0, 1e4},
       {"ConePosterior", kTrials, cone},

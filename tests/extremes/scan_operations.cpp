@@ -118,11 +118,13 @@ Results map_mesh(const Input& input, const Change& change) {
           number("triangles", static_cast<double>(found.mesh.triangles.cols()))};
 }
 
-Results map_smoothing(const Input& input, const Change&) {
+Results map_smoothing(const Input& input, const Change& change) {
+  RangeMapSmoothingOptions options;
+  change(fields_of(options));
   const RangeMap map = range_map_of_bump(input);
   const ImageF sigma =
       ImageF::Constant(map.z.rows(), map.z.cols(), static_cast<float>(0.2 * input.length));
-  const ImageF smooth = smooth_range_map(map.z, sigma);
+  const ImageF smooth = smooth_range_map(map.z, sigma, options);
   return {unknown_allowed(numbers("depths", smooth.cast<double>().reshaped().matrix(), kLength))};
 }
 
@@ -178,7 +180,7 @@ std::vector<Operation> scan_operations() {
       {"zipper_scans", kSheet, zippering, 0, 64},
       {"register_scans", kOptions | kSheet, scan_registration, 0, 1e4, 3},
       {"mesh_range_map", kOptions | kFrame, map_mesh},
-      {"smooth_range_map", kFrame, map_smoothing},
+      {"smooth_range_map", kOptions | kFrame, map_smoothing},
       {"depth_noise", kFrame, noise_of_depths},
       {"fitted_camera", kFrame, camera_of_cloud},
       {"select_depths", kOptions | kFrame, depth_selection},

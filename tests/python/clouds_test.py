@@ -70,7 +70,7 @@ class Selections(unittest.TestCase):
 
     def test_clusters_are_apart_and_the_largest_is_the_first(self):
         points = np.vstack([random_points(200), random_points(600, 2) + [100, 0, 0], [[0, 0, 500]]])
-        np.testing.assert_array_equal(palpate.cloud_clusters(points, 15, min_points=2), [1] * 200 + [0] * 600 + [-1])
+        np.testing.assert_array_equal(palpate.cloud_clusters(points, max_gap=15, min_points=2), [1] * 200 + [0] * 600 + [-1])
 
     def test_progress_is_told_and_what_it_raises_ends_the_work(self):
         told = []
@@ -83,7 +83,7 @@ class Selections(unittest.TestCase):
         for work in (
             lambda: palpate.poisson_sample(random_points(10), 1, progress=stop),
             lambda: palpate.cloud_normals(random_points(10), progress=stop),
-            lambda: palpate.find_plane(random_points(10), 1, progress=stop),
+            lambda: palpate.find_plane(random_points(10), tolerance=1, progress=stop),
         ):
             with self.assertRaises(KeyboardInterrupt):
                 work()
@@ -111,25 +111,25 @@ class Shapes(unittest.TestCase):
     def test_a_plane_is_found_among_other_points(self):
         points = random_points(900)
         points[:500, 2] = 0.5 * points[:500, 0] + 1
-        plane = palpate.find_plane(points, 1e-6)
+        plane = palpate.find_plane(points, tolerance=1e-6)
         np.testing.assert_array_equal(plane.inliers, np.arange(500))
         np.testing.assert_allclose(plane.normal, np.array([-0.5, 0, 1]) / np.sqrt(1.25), atol=1e-9)
         np.testing.assert_allclose(plane.point, points[:500].mean(axis=0), atol=1e-9)
         self.assertLess(plane.rms, 1e-9)
-        self.assertIsNone(palpate.find_plane(random_points(300), 1e-6))
+        self.assertIsNone(palpate.find_plane(random_points(300), tolerance=1e-6))
 
     def test_a_sphere_is_found_among_other_points(self):
         points = np.vstack([random_points(300), 4 * directions(400) + [1, 2, 3]])
-        sphere = palpate.find_sphere(points, 1e-6)
+        sphere = palpate.find_sphere(points, tolerance=1e-6)
         np.testing.assert_array_equal(sphere.inliers, np.arange(300, 700))
         np.testing.assert_allclose(sphere.centre, [1, 2, 3], atol=1e-9)
         self.assertAlmostEqual(sphere.radius, 4)
-        self.assertIsNone(palpate.find_sphere(points, 1e-6, max_radius=3))
+        self.assertIsNone(palpate.find_sphere(points, tolerance=1e-6, max_radius=3))
 
     def test_a_cylinder_is_found_by_its_normals(self):
         angle, along = np.random.default_rng(1).uniform([0, -5], [2 * np.pi, 5], (500, 2)).T
         normals = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(500)])
-        cylinder = palpate.find_cylinder(3 * normals + along[:, None] * [0, 0, 1], normals, 1e-6)
+        cylinder = palpate.find_cylinder(3 * normals + along[:, None] * [0, 0, 1], normals, tolerance=1e-6)
         self.assertEqual(len(cylinder.inliers), 500)
         np.testing.assert_allclose(cylinder.axis, [0, 0, 1], atol=1e-9)
         self.assertAlmostEqual(cylinder.radius, 3)

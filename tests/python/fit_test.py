@@ -177,6 +177,19 @@ class Acquisitions(unittest.TestCase):
             mapping.write_text("forces_on: tool\n")
             with self.assertRaisesRegex(palpate.InvalidInput, "those of the object on the tool"):
                 palpate.import_acquisition([DEMO / "sheet/contacts.csv", DEMO / "sheet/samples.csv"], mapping)
+            mapping.write_text("forces_on: tool\ndecimal: comma\n")
+            read = palpate.import_acquisition([DEMO / "sheet/contacts.csv", DEMO / "sheet/samples.csv"], mapping,
+                                              forces_on="object", decimal="point")
+            np.testing.assert_array_equal(read.force, right.force)
+
+    def test_a_surface_is_made_of_the_contacts(self):
+        acquisition = sheet_acquisition()
+        surface = palpate.contact_surface(acquisition)
+        np.testing.assert_array_equal(surface.vertices, acquisition.contacts)
+        finer = palpate.contact_surface(acquisition, longest_edge=1.2)
+        self.assertLess(len(finer.triangles), len(surface.triangles))
+        with self.assertRaisesRegex(palpate.InvalidInput, "longest_edge is 1; it must be > 1 and finite"):
+            palpate.contact_surface(acquisition, longest_edge=1)
 
     def test_samples_are_those_of_the_files(self):
         acquisition = sheet_acquisition()

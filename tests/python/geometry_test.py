@@ -295,7 +295,7 @@ class Surfaces(unittest.TestCase):
             palpate.remesh(mesh, edge_length=0)
         with self.assertRaisesRegex(palpate.InvalidInput, "edge_length must be given"):
             palpate.remesh(mesh)
-        with self.assertRaisesRegex(palpate.InvalidInput, "more than the 100 that are allowed"):
+        with self.assertRaisesRegex(palpate.InvalidInput, "edge_length is .* more than the 100 of max_triangles"):
             palpate.remesh(mesh, edge_length=0.5, max_triangles=100)
 
     def test_a_plane_needs_two_triangles(self):
@@ -427,6 +427,20 @@ class RangeMaps(unittest.TestCase):
             palpate.select_depths(map, far=-1)
         with self.assertRaisesRegex(palpate.InvalidInput, "mask: has no pixel"):
             palpate.select_depths(map, mask=np.zeros((0, 0), bool))
+
+    def test_noise_of_depths_is_reduced_within_their_deviations(self):
+        random, sigma = np.random.default_rng(1), np.full((40, 60), 0.5)
+        camera = palpate.Camera(width=60, height=40, fx=100, fy=100, cx=29.5, cy=19.5)
+        noisy = palpate.RangeMap(500 + sigma * random.standard_normal(sigma.shape), camera)
+        sigma[0] = np.nan
+        smooth = palpate.smooth_depths(noisy, sigma)
+        np.testing.assert_array_equal(smooth.z[0], noisy.z[0])
+        self.assertLessEqual(np.abs(smooth.z - noisy.z).max(), 0.5001)
+        self.assertLess(np.std(smooth.z[5:]), 0.7 * np.std(noisy.z[5:]))
+        still = palpate.smooth_depths(noisy, sigma, max_move=1e-9)
+        np.testing.assert_array_equal(still.z, noisy.z)
+        with self.assertRaisesRegex(palpate.InvalidInput, r"radius_px is 0 px; it must be in \[1, 15\]"):
+            palpate.smooth_depths(noisy, sigma, radius_px=0)
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ class Playing(unittest.TestCase):
         tools, times = palpate.read_trajectory(DEMO / "trajectory.csv")
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "session.bin"
-            rigid = palpate.play_device(self.playback, tools, times, device="recorded", coupling=np.inf, ramp=1e-9, slew=1e9,
+            rigid = palpate.play_device(self.playback, tools, times, device="recorded", coupling=False, ramp=1e-9, slew=1e9,
                                         record=path)
             trace = palpate.read_device_trace(path)
         self.assertEqual(rigid.ticks, len(trace))

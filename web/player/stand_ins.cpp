@@ -5,6 +5,7 @@
 #include "geodesic/geodesic_methods.h"
 #include "palpate/core/error.h"
 #include "palpate/core/fields.h"
+#include "palpate/core/idle_fields.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -29,6 +30,8 @@ void require(std::string_view name, const std::optional<double>& value, const In
 
 // Options of a page are the usual ones.
 void require_in_range(const FieldList& /*fields*/) {}
+void refuse_idle(const FieldList& /*fields*/, const FieldList& /*usual*/,
+                 std::string_view /*cause*/, std::initializer_list<std::string_view> /*idle*/) {}
 
 namespace geometry {
 

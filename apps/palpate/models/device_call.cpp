@@ -11,7 +11,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/field_text.h"
-#include "palpate/core/input_file.h"
 #include "palpate/devices/plugin_device.h"
 #include "palpate/devices/remote_device.h"
 #include "palpate/haptics/held_arm.h"
@@ -100,22 +99,6 @@ haptics::HandOptions hand_options(const DeviceCall& call) {
                [&, &key = key, &text = text] { assign(fields_of(hand), key, text); });
   }
   return hand;
-}
-
-haptics::CouplingOptions coupling_of(const std::string& word) {
-  haptics::CouplingOptions coupling;
-  if (word == "auto") return coupling;
-  if (word == "off") {
-    coupling.on = false;
-    return coupling;
-  }
-  const std::optional<double> value = parse_number<double>(word);
-  if (!value || !(*value > 0)) {
-    throw InvalidInput("--coupling: is " + word +
-                       "; it must be auto, off, or a stiffness > 0 N/mm");
-  }
-  coupling.stiffness = *value;
-  return coupling;
 }
 
 OpenedDevice open_driver(const DeviceCall& call) {

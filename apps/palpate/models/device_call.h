@@ -31,7 +31,7 @@ struct DeviceCall {
   std::optional<double> scale;
   haptics::PlaybackOptions playback;
   std::vector<unsigned> clutch_buttons;  ///< numbers from 0
-  std::string coupling = "auto";         ///< auto, off, or a stiffness [N/mm]
+  haptics::CouplingOptions coupling;
   devices::SafetyOptions safety;
 };
 
@@ -52,9 +52,6 @@ void check_driver(const std::string& device);
 
 /// The settings of a simulated device. \throws InvalidInput for one that it does not have.
 [[nodiscard]] haptics::HandOptions hand_options(const DeviceCall& call);
-
-/// \throws InvalidInput if the word is neither auto, off, nor a stiffness.
-[[nodiscard]] haptics::CouplingOptions coupling_of(const std::string& word);
 
 struct OpenedDevice {
   std::unique_ptr<devices::Device> arm;

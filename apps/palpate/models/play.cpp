@@ -58,7 +58,7 @@ struct PlayOption {
   const char* needs;
 };
 
-// Every option of the command except those of lists and those that all commands have.
+// Every option of the command except those that all commands have, and most of lists.
 constexpr PlayOption kPlayOptions[] = {
     {"--trajectory", kAlong | kWithSimulated, "a model folder, alone or with a simulated --device"},
     {"--record", kAlong | kAnyDevice | kScene, "--trajectory, --device or a scene file"},
@@ -76,8 +76,8 @@ constexpr PlayOption kPlayOptions[] = {
     {"--replay", kReplaying | kSceneReplay, "no --device"},
     {"--pose", kAnyDevice, "--device"},
     {"--scale", kAnyDevice | kAnyStability, "--device or --stability"},
+    {"--max-force", kAnyDevice | kAnyStability, "--device or --stability"},
     {"--clutch-button", kAnyDriver, "the driver of a device as --device"},
-    {"--coupling", kAnyDevice | kAnyStability, "--device or --stability"},
     {"--exchange", kModelDevice | kReplaying, "--device or --replay, with a model folder"},
     {"--exchange-at", kModelDevice, "--device, with a model folder"},
     {"--stability", kAnyStability, "a model folder, and no --replay"},
@@ -117,18 +117,18 @@ void refuse_idle_options(const CLI::App& play, PlayWay way) {
     throw InvalidInput(name + ": does nothing " + words_of_way(way) + "; it needs " + needs);
   };
   for (const PlayOption& option : kPlayOptions) refuse_idle(option.name, option.ways, option.needs);
-  devices::SafetyOptions safety;
-  for (const FieldText& field : texts_of(fields_of(safety))) {
-    const bool has_stability = field.name == "max_force";  // the stiffness is that up to this force
-    refuse_idle(option_name(field.name), kAnyDevice | (has_stability ? kAnyStability : 0U),
-                has_stability ? "--device or --stability" : "--device");
-  }
-  haptics::PlaybackOptions playback;
-  for (const FieldText& field : texts_of(fields_of(playback))) {
-    refuse_idle(option_name(field.name), kAlong | kModelDevice,
+  const auto refuse_fields = [&](const FieldList& fields, unsigned ways, const char* needs) {
+    for (const FieldText& field : texts_of(fields)) {
+      if (field.name != "max_force")  // --stability has it, too
+        refuse_idle(field_option(field.type + "::" + field.name), ways, needs);
+    }
+  };
+  DeviceCall usual;
+  refuse_fields(fields_of(usual.safety), kAnyDevice, "--device");
+  refuse_fields(fields_of(usual.coupling), kAnyDevice | kAnyStability, "--device or --stability");
+  refuse_fields(fields_of(usual.playback), kAlong | kModelDevice,
                 "a model folder with --trajectory or --device; a scene file has \"playback\" for "
                 "each object");
-  }
 }
 
 struct PlayCall {
@@ -296,10 +296,7 @@ void add_device_options(CLI::App& command, PlayCall& call) {
              "declares, or 1)");
   add_number(command, "--clutch-button", device.clutch_buttons, at_least(0).at_most(31),
              "Buttons (numbers from 0) that hold the tool still while they are pressed");
-  command.add_option(
-      "--coupling", device.coupling,
-      "Stiffness of the virtual coupling: auto (from the device's damping and delay), off, "
-      "or a number [N/mm]");
+  add_fields(command, fields_of(device.coupling));
   add_fields(command, fields_of(device.safety));
   command.add_option("--exchange", device.exchange,
                      "Another model, which replaces the first after the time --exchange-at");

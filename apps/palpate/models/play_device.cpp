@@ -109,7 +109,7 @@ haptics::DeviceLoopOptions loop_options(const DeviceCall& call) {
   options.scale = call.scale;
   for (const unsigned button : call.clutch_buttons) options.clutch_buttons |= 1U << button;
   options.safety = call.safety;
-  options.coupling = coupling_of(call.coupling);
+  options.coupling = call.coupling;
   return options;
 }
 
@@ -190,11 +190,12 @@ void warn_of_run(const DeviceCall& call, const haptics::RunReport& report,
         "late. Allow it with a limit 'rtprio' in /etc/security/limits.conf.",
         report.not_real_time);
   }
-  if (call.coupling == "auto" && device.damping == 0 && is_driver(call.device)) {
+  if (call.coupling.on && !call.coupling.stiffness && device.damping == 0 &&
+      is_driver(call.device)) {
     spdlog::warn(
-        "{} does not declare its damping: that of a light grip, 5e-4 N s/mm, is assumed for the "
+        "{} does not declare its damping: {} N s/mm (--coupling-damping) are assumed for the "
         "virtual coupling.",
-        call.device);
+        call.device, call.coupling.least_damping);
   }
   if (report.refused > 0) spdlog::warn("{} commands were not taken.", report.refused);
 }
@@ -226,7 +227,7 @@ double displacement_on_path(const DeviceCall& call, haptics::DeviceLoopOptions o
   rigid.device = kScripted;
   rigid.settings.clear();
   rigid.real_time = false;
-  options.coupling.on = false;
+  options.coupling = {.on = false};
   const OpenedDevice device = open_device(rigid, options);
   const double duration =
       call.duration > 0 ? std::min(call.duration, device.duration) : device.duration;

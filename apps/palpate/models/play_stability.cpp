@@ -39,14 +39,12 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
         "--stability: is that of the simulated hand, or of the driver of a device; --device is " +
         call.device);
   }
-  const haptics::CouplingOptions coupling = coupling_of(call.coupling);
+  const haptics::CouplingOptions& coupling = call.coupling;
   const double delay = hand.delay * hand.period();
   const double passive = haptics::passive_stiffness(hand.damping, hand.period(), delay);
   const double spring = haptics::coupling_stiffness(coupling, hand.damping, hand.period(), delay);
   const auto felt = [&](double object) { return object * spring / (object + spring); };
-  haptics::CouplingOptions off = coupling;
-  off.on = false;
-  const double calm_without = haptics::largest_calm_stiffness(hand, off);
+  const double calm_without = haptics::largest_calm_stiffness(hand, {.on = false});
   const double calm_with =
       coupling.on ? haptics::largest_calm_stiffness(hand, coupling) : calm_without;
   const double median = stiffness.median * scale, largest = stiffness.largest * scale;

@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_import.h"
@@ -33,6 +36,9 @@ struct ProbeCall {
   fs::path mapping, store, output, surface;
   /// Options for single fields, which change those of the mapping file.
   std::vector<std::function<void(probing::AcquisitionMapping&)>> changes;
+  probing::AcquisitionMapping given;  ///< the same for fields of its list
+  std::vector<CLI::Option*> fields;   ///< in the order of the list
+  probing::ContactSurfaceOptions of_contacts;
 };
 
 /// `more`: further figures, if there are any.
@@ -57,13 +63,12 @@ void take_name(const std::string& pair, probing::AcquisitionMapping& mapping) {
 }
 
 /// Adds an option that sets a field of the mapping to `read` of the given value.
-template <typename Given, typename Field, typename Read>
-CLI::Option* add_change(CLI::App& command, const std::shared_ptr<ProbeCall>& call,
-                        const std::string& name, Field probing::AcquisitionMapping::*field,
-                        Read read, const std::string& help) {
-  return command.add_option_function<Given>(
+template <typename Field, typename Read>
+void add_change(CLI::App& command, const std::shared_ptr<ProbeCall>& call, const std::string& name,
+                Field probing::AcquisitionMapping::*field, Read read, const std::string& help) {
+  command.add_option_function<std::string>(
       name,
-      [call, field, read](const Given& given) {
+      [call, field, read](const std::string& given) {
         const Field value = read(given);
         call->changes.emplace_back(
             [field, value](probing::AcquisitionMapping& mapping) { mapping.*field = value; });
@@ -84,6 +89,11 @@ probing::AcquisitionMapping mapping_of(const ProbeCall& call) {
   probing::AcquisitionMapping mapping;
   if (!call.mapping.empty()) mapping = probing::read_mapping(call.mapping);
   for (const auto& change : call.changes) change(mapping);
+  probing::AcquisitionMapping given = call.given;
+  const std::vector<FieldText> texts = texts_of(fields_of(given));
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    if (call.fields[i]->count() > 0) assign(fields_of(mapping), texts[i].name, texts[i].text);
+  }
   return mapping;
 }
 
@@ -126,7 +136,8 @@ probing::ImportedAcquisition read_data(const ProbeCall& call) {
   } catch (const InvalidInput& error) {
     throw InvalidInput(error.with_names([&](const std::string& name) -> std::string {
       if (name == "AcquisitionMapping::columns") return call.mapping.empty() ? "--map" : "columns";
-      return "--mapping: " + name.substr(name.rfind(':') + 1);
+      return call.mapping.empty() ? field_option(name)
+                                  : "--mapping: " + name.substr(name.rfind(':') + 1);
     }));
   }
 }
@@ -178,8 +189,9 @@ void import_data(const Settings& settings, const ProbeCall& call) {
   check_plausible(files_in_words(call.data), imported.acquisition, warnings);
   std::optional<geometry::MeshFile> surface;
   if (!call.surface.empty()) {
-    surface.emplace().mesh = surface_of_contacts(
-        imported.acquisition, files_in_words(call.data) + ": --surface-out", warnings);
+    surface.emplace().mesh =
+        surface_of_contacts(imported.acquisition, files_in_words(call.data) + ": --surface-out",
+                            warnings, call.of_contacts);
     surface->comments = {"made of the contacts alone, flat between them"};
   }
   probing::write_acquisition(call.output, imported.acquisition);
@@ -232,10 +244,12 @@ void add_probe(CLI::App& app, const Settings& settings) {
       "--mapping", call->mapping,
       "Mapping file (YAML; docs/measurements.md) that describes your files: columns, units, signs, "
       "frame, and how rows become contacts; the options below change single fields of it");
-  in->add_option(
+  CLI::Option* surface = in->add_option(
       "--surface-out", call->surface,
       "Also write a mesh made of the contacts, flat between them, for objects without a scan "
       "(PLY, OBJ or STL)");
+  constexpr std::array<std::string_view, 1> kOfSurface{"longest_edge"};
+  add_fields(*in, fields_of(call->of_contacts), kOfSurface).front()->needs(surface);
   in->add_option_function<std::vector<std::string>>(
         "--map",
         [call](const std::vector<std::string>& pairs) {
@@ -250,34 +264,16 @@ void add_probe(CLI::App& app, const Settings& settings) {
       ->delimiter(',')
       ->allow_extra_args(false);
   using Mapping = probing::AcquisitionMapping;
-  add_change<std::string>(*in, call, "--separator", &Mapping::separator, read_separator,
-                          "Character between cells, or tab (default: the most frequent of , ; and "
-                          "tab in the first line)");
-  add_change<std::string>(*in, call, "--length-unit", &Mapping::length, geometry::unit_length,
-                          "Unit of all positions: um, mm, cm, m or in (default: mm)");
-  add_change<std::string>(*in, call, "--force-unit", &Mapping::force, probing::unit_force,
-                          "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
-  add_change<std::string>(*in, call, "--time-unit", &Mapping::time, probing::unit_time,
-                          "Unit of all times: s, ms, us or min (default: s)");
-  add_change<std::string>(
-      *in, call, "--decimal", &Mapping::decimal_comma,
-      [](const std::string& sign) { return sign == "comma"; },
-      "Decimal separator of all numbers: point or comma (default: point)")
-      ->check(one_of({"point", "comma"}));
-  add_change<double>(
-      *in, call, "--probe-radius", &Mapping::probe_radius, [](double radius) { return radius; },
-      "Radius of the ball that touched the object [mm], for palpate play --tool-radius")
-      ->check(within(above(0).finite()));
-  in->add_flag_callback(
-      "--no-header",
-      [call] { call->changes.emplace_back([](Mapping& mapping) { mapping.header = false; }); },
-      "The first line of the files does not name their columns; they are column_1, column_2, ...");
-  add_change<std::string>(
-      *in, call, "--forces-on", &Mapping::forces_on_tool,
-      [](const std::string& on) { return on == "tool"; },
-      "What the forces act on: object, or tool if they are those that the tool feels, which "
-      "changes their signs (default: object)")
-      ->check(one_of({"object", "tool"}));
+  add_change(*in, call, "--separator", &Mapping::separator, read_separator,
+             "Character between cells, or tab (default: the most frequent of , ; and "
+             "tab in the first line)");
+  add_change(*in, call, "--length-unit", &Mapping::length, geometry::unit_length,
+             "Unit of all positions: um, mm, cm, m or in (default: mm)");
+  add_change(*in, call, "--force-unit", &Mapping::force, probing::unit_force,
+             "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
+  add_change(*in, call, "--time-unit", &Mapping::time, probing::unit_time,
+             "Unit of all times: s, ms, us or min (default: s)");
+  call->fields = add_fields(*in, fields_of(call->given));
   in->footer(
       "docs/measurements.md describes the columns. Measurements that contradict their meaning, "
       "such as forces with the wrong sign, are rejected. Suspicious ones cause a warning.\n"

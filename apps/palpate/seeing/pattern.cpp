@@ -43,7 +43,6 @@ struct PatternCall {
   std::vector<int> size = {1024, 768};
   std::vector<double> distances;
   int grey_steps = 18;
-  bool no_compensation = false;
   std::optional<int> multishot;  ///< number of steps
   sensing::PatternOptions design;
   sensing::DrawOptions drawing;
@@ -212,7 +211,6 @@ void make_pattern(const Settings& settings, PatternCall call) {
     }
     call.design.range = {call.distances[0], call.distances[1]};
   }
-  call.drawing.compensate = !call.no_compensation;
   // Without stripes no trough has to show a hue.
   if (call.multishot) {
     call.design.mean = call.design.mean.value_or(kFullContrast);
@@ -269,19 +267,8 @@ void add_pattern(CLI::App& app, const Settings& settings) {
       ->excludes("--colors")
       ->excludes("--stripes")
       ->excludes("--number-of-colors");
-  command
-      ->add_flag("--rectify", call->drawing.rectify,
-                 "Warp the pattern so that it leaves the projector as if from one without lens "
-                 "distortion, parallel to the camera; rig.yaml then describes that projector")
-      ->needs(rig);
-  command
-      ->add_flag("--no-compensation", call->no_compensation,
-                 "Do not shift the red and blue panels by the rig's chromatic values (by default "
-                 "they are shifted, and rig.yaml has no shift)")
-      ->needs(rig);
-  command->add_option("--bits", call->drawing.bits, "Bits per channel of the images")
-      ->check(CLI::IsMember({8, 16}))
-      ->capture_default_str();
+  for (CLI::Option* option : add_fields(*command, fields_of(call->drawing)))
+    if (option->get_name() != "--bits") option->needs(rig);
   add_number(*command, "--grey-steps", call->grey_steps, at_least(2).at_most(256),
              "Number of grey images for the response")
       ->capture_default_str();

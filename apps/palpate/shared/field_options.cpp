@@ -13,6 +13,10 @@
 
 #include "palpate/core/field_text.h"
 #include "palpate/core/input_file.h"
+#include "palpate/geometry/option_lists.h"
+#include "palpate/haptics/option_lists.h"
+#include "palpate/probing/option_lists.h"
+#include "palpate/sensing/option_lists.h"
 #include "shared/call_checks.h"
 
 namespace palpate::apps {
@@ -50,6 +54,25 @@ struct ShownUnit {
     return range;
   }
 };
+
+/// The options of all fields of the libraries: "RemeshingOptions::edge_length" is "--remesh".
+const std::map<std::string, std::string>& listed_options() {
+  static const std::map<std::string, std::string> names = [] {
+    std::map<std::string, std::string> found;
+    const auto all = [](FieldVisitor& visitor) {
+      geometry::visit_options(visitor);
+      sensing::visit_options(visitor);
+      probing::visit_options(visitor);
+      haptics::visit_options(visitor);
+    };
+    for (const FieldText& field : texts_of(all)) {
+      found[field.type + "::" + field.name] =
+          field.is_flag ? flag_name(field.name, field.text == "true") : name_of(field);
+    }
+    return found;
+  }();
+  return names;
+}
 
 /// The value of a field as its option takes it.
 std::string shown(const FieldText& field) {
@@ -184,6 +207,19 @@ void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields
   }
 }
 
+CLI::Validator value_of_field(const FieldList& fields, const std::string& name) {
+  const std::vector<FieldText> texts = texts_of(fields);
+  return {[fields, name](const std::string& text) -> std::string {
+            try {
+              assign(fields, name, text);
+              return {};
+            } catch (const InvalidInput& error) {
+              return error.with_names([](const std::string&) { return ""; }).substr(1);
+            }
+          },
+          std::ranges::find(texts, name, &FieldText::name)->range};
+}
+
 Json option_values(const FieldList& fields) {
   Json values;
   for (const FieldText& field : texts_of(fields)) values[name_of(field)] = shown(field);
@@ -216,8 +252,9 @@ std::string option_name(std::string_view field) {
 std::string field_option(const std::string& name) {
   const std::size_t type = name.rfind("::");
   if (type == std::string::npos) return name;  // an argument, or a place in a file
-  const std::string member = name.substr(type + 2);
-  return option_name(member.substr(0, member.find_first_of("[.")));
+  const std::string field = name.substr(0, name.find_first_of("[.", type));
+  const auto listed = listed_options().find(field);
+  return listed == listed_options().end() ? option_name(field.substr(type + 2)) : listed->second;
 }
 
 std::string with_names(const InvalidInput& error, const std::map<std::string, std::string>& names) {

@@ -29,6 +29,10 @@ std::vector<CLI::Option*> add_fields(CLI::App& command, const FieldList& fields,
 /// The same for fields that have an effect with a flag alone: help lists them after "With --align".
 void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields);
 
+/// Accepts the values of one field of a list. The message is '--plane: is "0"; it must be a number
+/// > 0'. The struct must live as long as the validator.
+[[nodiscard]] CLI::Validator value_of_field(const FieldList& fields, const std::string& name);
+
 /// The values of all fields by their options, for the records of runs.
 [[nodiscard]] Json option_values(const FieldList& fields);
 
@@ -39,7 +43,9 @@ void add_fields_of(CLI::Option& flag, CLI::App& command, const FieldList& fields
 /// The option of a field: "--min-signal" for "min_signal".
 [[nodiscard]] std::string option_name(std::string_view field);
 
-/// The same for a field with its struct, "DecodeOptions::min_signal"; other names stay.
+/// The option of a field with its struct as its list names it: "--remesh" for
+/// "RemeshingOptions::edge_length", "--no-slip" for a flag that is true by default. Other names
+/// stay.
 [[nodiscard]] std::string field_option(const std::string& name);
 
 /// The message of an error with these names in place of functions ("build_model()") and fields of

@@ -9,7 +9,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/probing/acquisition_store.h"
-#include "palpate/probing/contact_surface.h"
 #include "palpate/probing/plausibility.h"
 #include "shared/field_options.h"
 
@@ -36,10 +35,11 @@ void check_plausible(const std::string& source, const probing::CheckedAcquisitio
 }
 
 geometry::TriangleMesh surface_of_contacts(const probing::CheckedAcquisition& acquisition,
-                                           const std::string& source, Json& warnings) {
-  const double radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius);
+                                           const std::string& source, Json& warnings,
+                                           probing::ContactSurfaceOptions options) {
+  options.tip_radius = acquisition.records().probe_radius.value_or(options.tip_radius);
   probing::ContactSurface made = with_names({{"contact_surface()", source}}, [&] {
-    return probing::contact_surface(acquisition.contacts(), {.tip_radius = radius});
+    return probing::contact_surface(acquisition.contacts(), options);
   });
   for (const probing::ContactMisfit& contact : made.left_out) {
     warn(warnings, "left_out_of_surface",

@@ -6,6 +6,7 @@
 
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/acquisition.h"
+#include "palpate/probing/contact_surface.h"
 #include "shared/aliases.h"
 
 namespace palpate::apps {
@@ -23,7 +24,8 @@ void check_plausible(const std::string& source, const probing::CheckedAcquisitio
 /// leaves out.
 /// \throws InvalidInput that begins with `source` if there is no such surface.
 [[nodiscard]] geometry::TriangleMesh surface_of_contacts(
-    const probing::CheckedAcquisition& acquisition, const std::string& source, Json& warnings);
+    const probing::CheckedAcquisition& acquisition, const std::string& source, Json& warnings,
+    probing::ContactSurfaceOptions options = {});
 
 /// Reads and checks a store.
 /// \throws FileError, or InvalidInput if it cannot hold measurements of an object.

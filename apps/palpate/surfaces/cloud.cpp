@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -9,14 +13,18 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
 #include "palpate/core/file_names.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/cloud_selection.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/field_options.h"
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/surface_colors.h"
@@ -27,7 +35,7 @@ namespace palpate::apps {
 namespace {
 
 using Value = std::string;
-using Run = std::function<void(WorkedCloud&, const Value&, const CloudSettings&)>;
+using Run = std::function<void(WorkedCloud&, const Value&, CloudSettings&)>;
 
 struct CloudCall {
   std::vector<fs::path> inputs;
@@ -52,6 +60,20 @@ CLI::Option* add_step(CLI::App& command, CloudCall& call, const std::string& nam
   return option;
 }
 
+/// A step whose value is a field of a list, which checks it.
+template <typename Options>
+void add_field_step(CLI::App& command, CloudCall& call, const std::string& name,
+                    Options CloudSettings::*options, const char* field, const std::string& help,
+                    void (*step)(WorkedCloud&, const CloudSettings&)) {
+  add_step(
+      command, call, name, "NUMBER", help,
+      [options, field, step](WorkedCloud& worked, const Value& value, CloudSettings& settings) {
+        assign(fields_of(settings.*options), field, value);
+        step(worked, settings);
+      })
+      ->check(value_of_field(fields_of(call.settings.*options), field));
+}
+
 void add_removing_steps(CLI::App& command, CloudCall& call) {
   add_step(command, call, "--crop", "TEXT", "Keep the points in the box X0,Y0,Z0,X1,Y1,Z1 [mm]",
            [](WorkedCloud& worked, const Value& value, const CloudSettings&) {
@@ -65,13 +87,10 @@ void add_removing_steps(CLI::App& command, CloudCall& call) {
                    ends[2] <= ends[5];
           },
           "six numbers X0,Y0,Z0,X1,Y1,Z1 with X0 <= X1, Y0 <= Y1 and Z0 <= Z1"));
-  add_step(command, call, "--outliers", "FLOAT",
-           "Remove points whose mean distance from their 16 nearest ones is more than this many "
-           "standard deviations above the mean; 2 or 3 are usual",
-           [](WorkedCloud& worked, const Value& value, const CloudSettings&) {
-             remove_outliers(worked, number_of(value));
-           })
-      ->check(within(above(0).finite()));
+  add_field_step(command, call, "--outliers", &CloudSettings::outliers, "max_deviations",
+                 "Remove points whose mean distance from their nearest ones is more than this many "
+                 "standard deviations above the mean; 2 or 3 are usual",
+                 &remove_outliers);
   add_step(command, call, "--isolated", "TEXT",
            "MM,COUNT: remove points with fewer than COUNT others within MM [mm]",
            [](WorkedCloud& worked, const Value& value, const CloudSettings&) {
@@ -99,29 +118,21 @@ void add_removing_steps(CLI::App& command, CloudCall& call) {
 }
 
 void add_finding_steps(CLI::App& command, CloudCall& call) {
-  using Mark = void (*)(WorkedCloud&, double, const CloudSettings&);
-  const auto add_mark = [&](const std::string& name, const std::string& help, Mark mark) {
-    add_step(command, call, name, "FLOAT", help,
-             [mark](WorkedCloud& worked, const Value& value, const CloudSettings& settings) {
-               mark(worked, number_of(value), settings);
-             })
-        ->check(within(above(0).finite()));
-  };
   const std::string of_shape =
       "Find the % with the most points within this distance of it [mm]; points that belong to a "
       "shape already do not count. The attribute shape gets its number at these points";
-  const auto help_of = [&](const std::string& shape) {
-    std::string text = of_shape;
-    return text.replace(text.find('%'), 1, shape);
+  const auto add_shape = [&](const std::string& shape, auto* mark) {
+    std::string help = of_shape;
+    add_field_step(command, call, "--" + shape, &CloudSettings::shapes, "tolerance",
+                   help.replace(help.find('%'), 1, shape), mark);
   };
-  add_mark("--plane", help_of("plane"), &mark_plane);
-  add_mark("--sphere", help_of("sphere"), &mark_sphere);
-  add_mark("--cylinder", help_of("cylinder"), &mark_cylinder);
-  add_mark(
-      "--cluster",
-      "Divide the points into clusters, between which is more than this gap [mm]; marks them in "
-      "the attribute cluster: 0 is the largest, -1 none",
-      &mark_clusters);
+  add_shape("plane", &mark_plane);
+  add_shape("sphere", &mark_sphere);
+  add_shape("cylinder", &mark_cylinder);
+  add_field_step(command, call, "--cluster", &CloudSettings::clusters, "max_gap",
+                 "Divide the points into clusters, between which is more than this gap [mm]; marks "
+                 "them in the attribute cluster: 0 is the largest, -1 none",
+                 &mark_clusters);
   const auto add_found = [&](const std::string& name, const std::string& help,
                              void (*step)(WorkedCloud&)) {
     CLI::Option* const option = command.add_flag(name)->description(help)->multi_option_policy(
@@ -135,19 +146,10 @@ void add_finding_steps(CLI::App& command, CloudCall& call) {
 }
 
 void add_measuring_steps(CLI::App& command, CloudCall& call) {
-  add_step(
-      command, call, "--normals", "INT",
-      "Find normals from this number of neighbours (usually 16); they point to the camera of range "
-      "maps or the --viewpoint, otherwise outwards",
-      [](WorkedCloud& worked, const Value& value, const CloudSettings& settings) {
-        find_normals(worked, static_cast<int>(number_of(value)), settings);
-      })
-      ->check(list_of_numbers(
-          [](const std::vector<double>& numbers) {
-            return numbers.size() == 1 && numbers[0] >= 3 &&
-                   numbers[0] <= geometry::kMostNeighbours && numbers[0] == std::floor(numbers[0]);
-          },
-          "a whole number in [3, 1000]"));
+  add_field_step(command, call, "--normals", &CloudSettings::normals, "neighbours",
+                 "Find normals from this number of neighbours (usually 16); they point to the "
+                 "camera of range maps or the --viewpoint, otherwise outwards",
+                 &find_normals);
   call.references = {
       add_step(command, call, "--from-mesh", "TEXT",
                "Measure the signed distance of each point from this mesh or range map; attribute "
@@ -161,6 +163,24 @@ void add_measuring_steps(CLI::App& command, CloudCall& call) {
                [](WorkedCloud& worked, const Value& value, const CloudSettings& settings) {
                  measure_from_cloud(worked, value, settings);
                })};
+}
+
+/// Refuses options of steps that are not done.
+void refuse_idle_options(const CLI::App& command) {
+  const std::vector<std::string> spheres = {"--sphere", "--cylinder"},
+                                 shapes = {"--plane", "--sphere", "--cylinder"};
+  const std::vector<std::pair<std::string, std::vector<std::string>>> all = {
+      {"--outlier-neighbours", {"--outliers"}},
+      {"--viewpoint", {"--normals"}},
+      {"--min-share", shapes},
+      {"--max-radius", spheres},
+      {"--seed", shapes},
+      {"--min-points", {"--cluster"}}};
+  for (const auto& [name, steps] : all) {
+    const auto is_done = [&](const std::string& step) { return command.count(step) > 0; };
+    if (command.count(name) == 0 || std::ranges::any_of(steps, is_done)) continue;
+    throw InvalidInput(fmt::format("{}: does nothing without {}", name, fmt::join(steps, " or ")));
+  }
 }
 
 /// Writes the cloud. PLY cannot represent unknown points, and has no grid.
@@ -207,6 +227,7 @@ void check_call(CloudCall& call) {
 }
 
 void cloud(const CLI::App& command, const Settings& settings, CloudCall& call) {
+  refuse_idle_options(command);
   check_call(call);
   WorkedCloud worked = load_cloud(call.inputs, call.settings);
   const Eigen::Index read = known_count(worked.cloud);
@@ -253,14 +274,11 @@ void add_cloud(CLI::App& app, const Settings& settings) {
                    "Position X,Y,Z of the sensor [mm]: normals point there")
       ->check(list_of_numbers([](const std::vector<double>& place) { return place.size() == 3; },
                               "three numbers X,Y,Z"));
-  add_number(*command, "--min-share", call->settings.min_share, above(0).at_most(1),
-             "Share of the points that a shape needs at least")
-      ->capture_default_str();
-  add_number(*command, "--max-radius", call->settings.max_radius, above(0),
-             "Largest radius of a sphere or cylinder [mm] (default: the extent of the points)");
-  add_number(*command, "--min-points", call->settings.min_points, at_least(1),
-             "Leave out smaller clusters")
-      ->capture_default_str();
+  constexpr std::array<std::string_view, 5> kOfSteps{"neighbours", "min_share", "max_radius",
+                                                     "seed", "min_points"};
+  add_fields(*command, fields_of(call->settings.outliers), kOfSteps);
+  add_fields(*command, fields_of(call->settings.shapes), kOfSteps);
+  add_fields(*command, fields_of(call->settings.clusters), kOfSteps);
   command->add_flag("--single", call->single_precision,
                     "Write float instead of double, as programs built on PCL read");
   command->footer(

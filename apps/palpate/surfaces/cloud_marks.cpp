@@ -6,9 +6,6 @@
 #include <cstdint>
 
 #include "palpate/core/error.h"
-#include "palpate/geometry/cloud_clusters.h"
-#include "palpate/geometry/cloud_normals.h"
-#include "palpate/geometry/cloud_shapes.h"
 #include "shared/command_line.h"
 #include "shared/progress.h"
 #include "shared/words.h"
@@ -57,18 +54,17 @@ void mark_shape(WorkedCloud& worked, const std::string& name,
                         on_shape.inliers.size(), on_shape.rms));
 }
 
-SolverError not_found(const std::string& name, double tolerance, const CloudSettings& settings) {
+SolverError not_found(const std::string& name, const geometry::CloudShapeOptions& options) {
   return SolverError(fmt::format(
       "--{}: no {} has {:g} % of the points within {:g} mm; a larger tolerance or a smaller "
       "--min-share may help",
-      name, name, 100 * settings.min_share, tolerance));
+      name, name, 100 * options.min_share, *options.tolerance));
 }
 
-geometry::CloudShapeOptions shape_options(double tolerance, const CloudSettings& settings) {
-  return {.tolerance = tolerance,
-          .min_share = settings.min_share,
-          .max_radius = settings.max_radius,
-          .progress = shown_as("looking for shapes")};
+geometry::CloudShapeOptions shape_options(const CloudSettings& settings) {
+  geometry::CloudShapeOptions options = settings.shapes;
+  options.progress = shown_as("looking for shapes");
+  return options;
 }
 
 /// \throws InvalidInput if nothing was found since the points changed.
@@ -81,10 +77,11 @@ void check_found(const WorkedCloud& worked, const char* step) {
 
 }  // namespace
 
-void mark_plane(WorkedCloud& worked, double tolerance, const CloudSettings& settings) {
-  const auto plane =
-      geometry::find_plane(free_points(worked.cloud), shape_options(tolerance, settings));
-  if (!plane) throw not_found("plane", tolerance, settings);
+void mark_plane(WorkedCloud& worked, const CloudSettings& settings) {
+  geometry::CloudShapeOptions options = shape_options(settings);
+  options.max_radius = geometry::CloudShapeOptions{}.max_radius;  // it is of the other shapes
+  const auto plane = geometry::find_plane(free_points(worked.cloud), options);
+  if (!plane) throw not_found("plane", options);
   mark_shape(worked, "plane", *plane,
              {{"point", numbers_in(plane->point)}, {"normal", numbers_in(plane->normal)}},
              fmt::format("normal ({:.4f}, {:.4f}, {:.4f}), through ({:.3f}, {:.3f}, {:.3f}) mm",
@@ -92,24 +89,22 @@ void mark_plane(WorkedCloud& worked, double tolerance, const CloudSettings& sett
                          plane->point.y(), plane->point.z()));
 }
 
-void mark_sphere(WorkedCloud& worked, double tolerance, const CloudSettings& settings) {
-  const auto sphere =
-      geometry::find_sphere(free_points(worked.cloud), shape_options(tolerance, settings));
-  if (!sphere) throw not_found("sphere", tolerance, settings);
+void mark_sphere(WorkedCloud& worked, const CloudSettings& settings) {
+  const auto sphere = geometry::find_sphere(free_points(worked.cloud), shape_options(settings));
+  if (!sphere) throw not_found("sphere", settings.shapes);
   mark_shape(worked, "sphere", *sphere,
              {{"centre", numbers_in(sphere->centre)}, {"radius", sphere->radius}},
              fmt::format("radius {:.4f} mm, centre ({:.3f}, {:.3f}, {:.3f}) mm", sphere->radius,
                          sphere->centre.x(), sphere->centre.y(), sphere->centre.z()));
 }
 
-void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& settings) {
+void mark_cylinder(WorkedCloud& worked, const CloudSettings& settings) {
   const Eigen::Matrix3Xd points = free_points(worked.cloud);
   std::optional<Eigen::Matrix3Xd> normals = geometry::normals(worked.cloud.attributes);
   if (!normals)
     normals = geometry::cloud_normals(points, {.progress = shown_as("finding normals")}).normals;
-  const auto cylinder =
-      geometry::find_cylinder(points, *normals, shape_options(tolerance, settings));
-  if (!cylinder) throw not_found("cylinder", tolerance, settings);
+  const auto cylinder = geometry::find_cylinder(points, *normals, shape_options(settings));
+  if (!cylinder) throw not_found("cylinder", settings.shapes);
   mark_shape(worked, "cylinder", *cylinder,
              {{"point", numbers_in(cylinder->point)},
               {"axis", numbers_in(cylinder->axis)},
@@ -122,16 +117,15 @@ void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& s
                          cylinder->point.z()));
 }
 
-void mark_clusters(WorkedCloud& worked, double max_gap, const CloudSettings& settings) {
-  const geometry::CloudClusters clusters =
-      geometry::cloud_clusters(worked.cloud.points, {.max_gap = max_gap,
-                                                     .min_points = settings.min_points,
-                                                     .progress = shown_as("joining points")});
+void mark_clusters(WorkedCloud& worked, const CloudSettings& settings) {
+  geometry::CloudClusterOptions options = settings.clusters;
+  options.progress = shown_as("joining points");
+  const geometry::CloudClusters clusters = geometry::cloud_clusters(worked.cloud.points, options);
   if (clusters.sizes.empty())
     throw InvalidInput(
         fmt::format("--cluster: no cluster has {} points; lower --min-points or "
                     "raise the gap of {:g} mm",
-                    settings.min_points, max_gap));
+                    options.min_points, *options.max_gap));
   geometry::set_attribute(
       worked.cloud.attributes,
       {.name = kClusterAttribute,

@@ -6,8 +6,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/geometry/cloud_distance.h"
-#include "palpate/geometry/cloud_normals.h"
-#include "palpate/geometry/cloud_outliers.h"
 #include "palpate/geometry/cloud_sampling.h"
 #include "palpate/geometry/cloud_selection.h"
 #include "palpate/geometry/error_statistics.h"
@@ -49,13 +47,12 @@ void crop(WorkedCloud& worked, const Eigen::AlignedBox3d& box) {
   keep_only(worked, "crop", geometry::points_in_box(worked.cloud.points, box), "inside the box");
 }
 
-void remove_outliers(WorkedCloud& worked, double max_deviations) {
-  keep_only(worked, "outliers",
-            geometry::without_outliers(
-                worked.cloud.points,
-                {.max_deviations = max_deviations, .progress = shown_as("looking for outliers")}),
+void remove_outliers(WorkedCloud& worked, const CloudSettings& settings) {
+  geometry::OutlierOptions options = settings.outliers;
+  options.progress = shown_as("looking for outliers");
+  keep_only(worked, "outliers", geometry::without_outliers(worked.cloud.points, options),
             fmt::format("at most {:g} standard deviations farther than usual from their neighbours",
-                        max_deviations));
+                        options.max_deviations));
 }
 
 void remove_isolated(WorkedCloud& worked, double radius, int neighbours) {
@@ -88,16 +85,16 @@ void sample_poisson(WorkedCloud& worked, double min_distance) {
             fmt::format("no two closer than {:g} mm", min_distance));
 }
 
-void find_normals(WorkedCloud& worked, int neighbours, const CloudSettings& settings) {
-  geometry::CloudNormalOptions options{.neighbours = neighbours,
-                                       .progress = shown_as("finding normals")};
+void find_normals(WorkedCloud& worked, const CloudSettings& settings) {
+  geometry::CloudNormalOptions options = settings.normals;
+  options.progress = shown_as("finding normals");
   if (settings.viewpoint) options.viewpoints = *settings.viewpoint;
   const geometry::CloudNormals found = geometry::cloud_normals(worked.cloud.points, options);
   geometry::set_normals(worked.cloud.attributes, found.normals);
   const Eigen::Index known = known_count(worked.cloud);
   const Eigen::Index without = found.unknown - (worked.cloud.points.cols() - known);
   note_step(worked, "normals", known, {{"without_normal", without}},
-            fmt::format("from {} neighbours, {}; {} points without", neighbours,
+            fmt::format("from {} neighbours, {}; {} points without", options.neighbours,
                         settings.viewpoint ? "towards the viewpoint" : "outwards", without));
 }
 

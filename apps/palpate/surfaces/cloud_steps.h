@@ -3,12 +3,15 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "palpate/geometry/cloud_clusters.h"
+#include "palpate/geometry/cloud_normals.h"
+#include "palpate/geometry/cloud_outliers.h"
+#include "palpate/geometry/cloud_shapes.h"
 #include "palpate/geometry/mesh_io.h"
 #include "shared/map_camera.h"
 
@@ -20,9 +23,10 @@ struct CloudSettings {
   geometry::ReadOptions points;              ///< for other files
   bool color = false;                        ///< from the NNNNNN_color.png beside each range map
   std::optional<Eigen::Vector3d> viewpoint;  ///< [mm] for normals
-  double min_share = 0.1;                    ///< of a shape
-  double max_radius = std::numeric_limits<double>::infinity();  ///< [mm] of spheres and cylinders
-  int min_points = 1;                                           ///< of a cluster
+  geometry::OutlierOptions outliers;
+  geometry::CloudNormalOptions normals;
+  geometry::CloudShapeOptions shapes;
+  geometry::CloudClusterOptions clusters;
 };
 
 /// A cloud between two steps, and the results of the earlier steps in numbers and in words.
@@ -56,11 +60,11 @@ struct WorkedCloud {
 // The steps. Each throws InvalidInput if it would leave no point. An organised cloud stays so if a
 // step only removes points.
 void crop(WorkedCloud& worked, const Eigen::AlignedBox3d& box);
-void remove_outliers(WorkedCloud& worked, double max_deviations);
+void remove_outliers(WorkedCloud& worked, const CloudSettings& settings);
 void remove_isolated(WorkedCloud& worked, double radius, int neighbours);
 void average_voxels(WorkedCloud& worked, double edge);
 void sample_poisson(WorkedCloud& worked, double min_distance);
-void find_normals(WorkedCloud& worked, int neighbours, const CloudSettings& settings);
+void find_normals(WorkedCloud& worked, const CloudSettings& settings);
 void measure_from_mesh(WorkedCloud& worked, const fs::path& reference,
                        const CloudSettings& settings);
 void measure_from_cloud(WorkedCloud& worked, const fs::path& reference,
@@ -68,10 +72,10 @@ void measure_from_cloud(WorkedCloud& worked, const fs::path& reference,
 
 // Steps that find something among the points, and mark it in an attribute.
 /// \throws SolverError if there is no such shape.
-void mark_plane(WorkedCloud& worked, double tolerance, const CloudSettings& settings);
-void mark_sphere(WorkedCloud& worked, double tolerance, const CloudSettings& settings);
-void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& settings);
-void mark_clusters(WorkedCloud& worked, double max_gap, const CloudSettings& settings);
+void mark_plane(WorkedCloud& worked, const CloudSettings& settings);
+void mark_sphere(WorkedCloud& worked, const CloudSettings& settings);
+void mark_cylinder(WorkedCloud& worked, const CloudSettings& settings);
+void mark_clusters(WorkedCloud& worked, const CloudSettings& settings);
 
 /// Keeps or removes the points that were found last.
 /// \throws InvalidInput if nothing was found since the points changed.

@@ -79,6 +79,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "--smooth-depths", call->steps.smooth_depths,
       "Reduce the noise of depths before meshing; no depth moves by more than its standard "
       "deviation, as decode --sigma predicts it for a range map, or from --still");
+  add_fields_of(*smooth_depths, *command, fields_of(call->steps.depth_smoothing));
   command
       ->add_option(
           "--still", call->still,

@@ -13,6 +13,7 @@
 #include "palpate/core/file_names.h"
 #include "palpate/core/work_in_order.h"
 #include "shards/shard_run.h"
+#include "shared/field_options.h"
 #include "shared/fingerprint.h"
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
@@ -152,6 +153,8 @@ void make_one(const MeshCall& call, SequenceItem& item) {
     if (call.shard) item.outputs = {measured(item.output, call.output)};
   } catch (const OutputError&) {
     throw;  // if there is no space for this file, there is none for the others
+  } catch (const InvalidInput& error) {
+    item.error = with_names(error, {});
   } catch (const Error& error) {
     item.error = error.what();
   }

@@ -15,7 +15,6 @@
 #include "palpate/core/quantile.h"
 #include "palpate/geometry/attribute_transfer.h"
 #include "palpate/geometry/mesh_measures.h"
-#include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/self_intersections.h"
 #include "palpate/geometry/surface_query.h"
 #include "shared/command_line.h"
@@ -43,11 +42,10 @@ geometry::ImageF deviations_beside(const fs::path& input) {
   return geometry::read_depth_tiff(file);
 }
 
-void smooth_depths(const fs::path& input, const std::optional<geometry::DepthNoise>& noise,
-                   geometry::RangeMap& map) {
+void smooth_depths(const fs::path& input, const MeshSteps& steps, geometry::RangeMap& map) {
   const geometry::ImageF sigma =
-      noise ? geometry::deviations(*noise, map.z) : deviations_beside(input);
-  map.z = geometry::smooth_range_map(map.z, sigma);
+      steps.noise ? geometry::deviations(*steps.noise, map.z) : deviations_beside(input);
+  map.z = geometry::smooth_range_map(map.z, sigma, steps.depth_smoothing);
 }
 
 /// Of noisy or wrong depths, less than this share of the pixels is part of a surface.
@@ -103,7 +101,7 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   }
   check_has_no_unit(input, steps.meshes);
   geometry::RangeMap map = load_range_map(input, steps.camera);
-  if (steps.smooth_depths) smooth_depths(input, steps.noise, map);
+  if (steps.smooth_depths) smooth_depths(input, steps, map);
   const auto known = (map.z == map.z).count();
   MadeMesh made;
   made.mesh = geometry::mesh_range_map(map, steps.meshing).mesh;

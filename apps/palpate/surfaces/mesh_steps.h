@@ -13,6 +13,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/self_intersection_removal.h"
 #include "palpate/geometry/smoothing.h"
@@ -27,6 +28,7 @@ struct MeshSteps {
   MapCamera camera;              ///< for range maps and depth images
   geometry::ReadOptions meshes;  ///< for mesh files
   bool smooth_depths = false;
+  geometry::RangeMapSmoothingOptions depth_smoothing = {};
   /// Of the depths, for `smooth_depths`; without it, that of the files beside range maps.
   std::optional<geometry::DepthNoise> noise = {};
   bool color = false;          ///< of the vertices, from the NNNNNN_color.png beside the range map

@@ -17,14 +17,14 @@ class TextWriter : public FieldVisitor {
  public:
   std::vector<FieldText> texts;
 
-  void begin(std::string_view /*type*/) override {}
+  void begin(std::string_view type) override { type_ = type; }
 
  private:
   void on_real(const Field& field, const NumberField<double>& value) override {
-    add(field, value.value ? fmt::format("{}", *value.value) : "");
+    add(field, value.value ? fmt::format("{}", *value.value) : "", to_string(value.range));
   }
   void on_whole(const Field& field, const NumberField<int>& value) override {
-    add(field, value.value ? fmt::format("{}", *value.value) : "");
+    add(field, value.value ? fmt::format("{}", *value.value) : "", to_string(value.range));
   }
   void on_flag(const Field& field, bool value, const std::function<void(bool)>& /*set*/) override {
     add(field, value ? "true" : "false");
@@ -40,10 +40,12 @@ class TextWriter : public FieldVisitor {
     add(field, fmt::format("{}", fmt::join(lines, ";")));
   }
 
-  void add(const Field& field, std::string text) {
-    texts.push_back({std::string(field.name), std::string(field.option), std::string(field.unit),
-                     std::move(text)});
+  void add(const Field& field, std::string text, std::string range = {}) {
+    texts.push_back({type_, std::string(field.name), std::string(field.option),
+                     std::string(field.unit), std::move(range), std::move(text)});
   }
+
+  std::string type_;
 };
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

@@ -151,11 +151,20 @@ std::vector<int> ranks_of(const std::vector<int>& count, int min_points, std::ve
 
 }  // namespace
 
+void visit(CloudClusterOptions& options, FieldVisitor& visitor) {
+  visitor.begin("CloudClusterOptions");
+  visitor.real(
+      {"max_gap", "Points at most this far apart are in one cluster", "mm", false, "cluster"},
+      options.max_gap, above(0).finite());
+  visitor.whole({"min_points", "Leave out clusters with fewer points"}, options.min_points,
+                at_least(1));
+}
+
 CloudClusters cloud_clusters(const PointsRef& points, const CloudClusterOptions& options) {
-  require("CloudClusterOptions::max_gap", options.max_gap, above(0).finite(), "mm");
-  require("CloudClusterOptions::min_points", options.min_points, at_least(1));
-  const FilledCells filled = fill_cells(points, options.max_gap);
-  SignedSets sets = joined_cells(points, filled, options.max_gap, options.progress);
+  static_cast<void>(in_range(options));
+  require_given("CloudClusterOptions::max_gap", options.max_gap.has_value());
+  const FilledCells filled = fill_cells(points, *options.max_gap);
+  SignedSets sets = joined_cells(points, filled, *options.max_gap, options.progress);
   std::vector<int> count(filled.points.size(), 0);
   for (std::size_t cell = 0; cell < filled.points.size(); ++cell) {
     count[static_cast<std::size_t>(sets.root_of(static_cast<int>(cell)).root)] +=

@@ -4,12 +4,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <string>
+#include <vector>
 
 #include "base/numbers.h"
 #include "clouds/normal_sides.h"
 #include "clouds/point_tree.h"
 #include "palpate/core/error.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/cloud_distance.h"
 
 namespace palpate::geometry {
@@ -39,18 +39,28 @@ Eigen::Vector3d normal_of(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
 }
 
 void check(const CloudNormalOptions& options, Eigen::Index points) {
-  require("CloudNormalOptions::neighbours", options.neighbours,
-          at_least(3).at_most(kMostNeighbours));
+  static_cast<void>(in_range(options));
+  const MessagePart viewpoints{"CloudNormalOptions::viewpoints", true};
   const Eigen::Index count = options.viewpoints.cols();
   if (count > 1 && count != points)
-    throw InvalidInput("CloudNormalOptions::viewpoints: there are " + std::to_string(count) +
-                       " for " + std::to_string(points) +
-                       " points; none, one, or one per point are expected");
+    throw InvalidInput(std::vector<MessagePart>{
+        viewpoints,
+        {": there are " + std::to_string(count) + " for " + std::to_string(points) +
+         " points; none, one, or one per point are expected"}});
   if (!options.viewpoints.allFinite())
-    throw InvalidInput("CloudNormalOptions::viewpoints: not all are finite");
+    throw InvalidInput(std::vector<MessagePart>{viewpoints, {": not all are finite"}});
 }
 
 }  // namespace
+
+void visit(CloudNormalOptions& options, FieldVisitor& visitor) {
+  visitor.begin("CloudNormalOptions");
+  visitor.whole({"neighbours",
+                 "Number of points, itself among them, whose plane gives the normal of a point; 16 "
+                 "are usual",
+                 "", false, "normals"},
+                options.neighbours, at_least(3).at_most(kMostNeighbours));
+}
 
 CloudNormals cloud_normals(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                            const CloudNormalOptions& options) {

@@ -6,7 +6,7 @@
 
 #include "base/numbers.h"
 #include "clouds/point_tree.h"
-#include "palpate/core/require.h"
+#include "palpate/core/fields.h"
 #include "palpate/geometry/cloud_distance.h"
 
 namespace palpate::geometry {
@@ -36,10 +36,23 @@ std::vector<int> up_to(const Eigen::VectorXd& values, double most) {
 
 }  // namespace
 
+void visit(OutlierOptions& options, FieldVisitor& visitor) {
+  visitor.begin("OutlierOptions");
+  visitor.whole({"neighbours",
+                 "Number of nearest points whose mean distance is that of a point from its "
+                 "neighbours; fewer if there are fewer others",
+                 "", true, "outlier-neighbours"},
+                options.neighbours, at_least(1).at_most(kMostNeighbours));
+  visitor.real({"max_deviations",
+                "Leave out points whose distance from their neighbours exceeds the mean of that of "
+                "all points by more than this number of its standard deviations; 2 or 3 are usual",
+                "", false, "outliers"},
+               options.max_deviations, above(0));
+}
+
 std::vector<int> without_outliers(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                   const OutlierOptions& options) {
-  require("OutlierOptions::neighbours", options.neighbours, at_least(1).at_most(kMostNeighbours));
-  require("OutlierOptions::max_deviations", options.max_deviations, above(0));
+  static_cast<void>(in_range(options));
   const PointTree tree(points);
   constexpr std::size_t kFewest = 3;  // two points are each other's neighbours: equally far
   if (tree.places().size() < kFewest) return up_to(neighbour_distances(points), kInfinity);

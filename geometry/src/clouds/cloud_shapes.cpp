@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "base/numbers.h"
 #include "clouds/shape_models.h"
 #include "clouds/shape_search.h"
 #include "palpate/core/error.h"
@@ -60,6 +61,10 @@ Vector3d with_positive_largest(const Vector3d& direction) {
 }  // namespace
 
 std::optional<CloudPlane> find_plane(const PointsRef& points, const CloudShapeOptions& options) {
+  if (options.max_radius != kInfinity) {
+    throw InvalidInput(
+        {{"CloudShapeOptions::max_radius", true}, {" does nothing: a plane has no radius"}});
+  }
   const ShapeSearch search = prepare_search(points, options, 3);
   const auto shape = search_shape<PlaneModel>(search, 3, [&](CountedRandom& random) {
     return plane_through(columns(search.points, sample_of<3>(random, search.size())));

@@ -3,17 +3,33 @@
 #include "clouds/shape_search.h"
 
 #include "clouds/known_points.h"
-#include "palpate/core/require.h"
 
 namespace palpate::geometry {
+
+void visit(CloudShapeOptions& options, FieldVisitor& visitor) {
+  visitor.begin("CloudShapeOptions");
+  visitor.real({"tolerance",
+                "Points at most this far from a shape are on it; about three standard deviations "
+                "of the noise",
+                "mm", false, "plane"},
+               options.tolerance, above(0).finite());
+  visitor.real({"min_share", "A shape is found if at least this share of the points is on it"},
+               options.min_share, above(0).at_most(1));
+  visitor.real({"max_radius",
+                "Largest radius of a sphere or cylinder, as a plane is nearly a sphere of a large "
+                "radius; inf: the diagonal of the points' bounding box",
+                "mm"},
+               options.max_radius, above(0));
+  visitor.whole({"seed", "Seed of the random samples that propose shapes", "", true}, options.seed,
+                at_least(0));
+}
 
 ShapeSearch prepare_search(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                            const CloudShapeOptions& options, int sample) {
   // With this number of points, a share of a tenth is known to a fifteenth of itself.
   constexpr int kJudges = 2000;
-  require("CloudShapeOptions::tolerance", options.tolerance, above(0).finite(), "mm");
-  require("CloudShapeOptions::min_share", options.min_share, above(0).at_most(1));
-  require("CloudShapeOptions::max_radius", options.max_radius, above(0), "mm");
+  static_cast<void>(in_range(options));
+  require_given("CloudShapeOptions::tolerance", options.tolerance.has_value());
   ShapeSearch search{.known = known_points(points),
                      .points = {},
                      .judges = {},
@@ -29,7 +45,7 @@ ShapeSearch prepare_search(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   search.points = search.frame.to_local(known);
   const Eigen::Vector3d extent =
       search.points.rowwise().maxCoeff() - search.points.rowwise().minCoeff();
-  search.tolerance = options.tolerance * search.frame.scale;
+  search.tolerance = *options.tolerance * search.frame.scale;
   search.max_radius = std::min(options.max_radius * search.frame.scale, extent.norm());
   if (count <= kJudges) {
     search.judges = search.points;

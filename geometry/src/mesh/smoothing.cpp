@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/core/idle_fields.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/geometry/mesh_topology.h"
 
@@ -96,6 +97,7 @@ void visit(SmoothingOptions& options, FieldVisitor& visitor) {
 
 TriangleMesh smooth(const TriangleMesh& mesh, const SmoothingOptions& options) {
   static_cast<void>(in_range(options));
+  if (options.iterations == 0) refuse_idle(options, "iterations", {"pass_band", "keep_border"});
   const Neighbors neighbors = list_neighbors(mesh, options.keep_border);
   const double mu = 1 / (options.pass_band - 1 / kSmoothingStep);
   TriangleMesh result = mesh;

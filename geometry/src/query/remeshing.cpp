@@ -188,10 +188,12 @@ class Remesher {
   }
 
   [[noreturn]] void refuse_size() const {
-    throw InvalidInput(fmt::format(
-        "remesh: edges of {:g} mm need more than the {} triangles that are allowed; pass a larger "
-        "edge length",
-        edge_length_, options_.max_triangles));
+    throw InvalidInput(std::vector<MessagePart>{
+        {"RemeshingOptions::edge_length", true},
+        {fmt::format(" is {:g} mm, which needs more than the {} triangles of ", edge_length_,
+                     options_.max_triangles)},
+        {"RemeshingOptions::max_triangles", true},
+        {"; raise one of them"}});
   }
 
   void collapse_short_edges() {
@@ -360,10 +362,14 @@ void check_size(const TriangleMesh& mesh, const RemeshingOptions& options) {
   const double each = std::sqrt(3.0) / 4 * length * length;
   const double needed = surface_area(mesh) / each;
   if (needed <= options.max_triangles) return;
-  throw InvalidInput(fmt::format(
-      "remesh: edges of {:g} mm need about {:.3g} triangles on this surface, more than the {} that "
-      "are allowed; pass an edge length of at least {:.3g} mm",
-      length, needed, options.max_triangles, length * std::sqrt(needed / options.max_triangles)));
+  throw InvalidInput(std::vector<MessagePart>{
+      {"RemeshingOptions::edge_length", true},
+      {fmt::format(" is {:g} mm, which needs about {:.3g} triangles on this surface, more than the "
+                   "{} of ",
+                   length, needed, options.max_triangles)},
+      {"RemeshingOptions::max_triangles", true},
+      {fmt::format("; it must be at least {:.3g} mm",
+                   length * std::sqrt(needed / options.max_triangles))}});
 }
 
 }  // namespace

@@ -13,7 +13,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
-#include "palpate/core/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -46,10 +45,7 @@ void check(const ImageF& z, const ImageF& sigma, const RangeMapSmoothingOptions&
                        std::to_string(sigma.cols()) + " x " + std::to_string(sigma.rows()) +
                        "; both have to be of one frame");
   }
-  require("RangeMapSmoothingOptions::radius_px", options.radius_px,
-          at_least(1).at_most(kMostRadius), "px");
-  require("RangeMapSmoothingOptions::max_residual", options.max_residual, above(0));
-  require("RangeMapSmoothingOptions::max_move", options.max_move, above(0));
+  static_cast<void>(in_range(options));
 }
 
 bool is_usable(float z, float sigma) {
@@ -183,6 +179,23 @@ class Smoother {
 };
 
 }  // namespace
+
+void visit(RangeMapSmoothingOptions& options, FieldVisitor& visitor) {
+  constexpr bool kExpert = true;
+  visitor.begin("RangeMapSmoothingOptions");
+  visitor.whole(
+      {"radius_px", "Distance from a depth to the border of the square window of its neighbours",
+       "px", kExpert, "smooth-radius"},
+      options.radius_px, at_least(1).at_most(kMostRadius));
+  visitor.real({"max_residual",
+                "A neighbour that is this many standard deviations from the surface through the "
+                "others belongs to another surface, and gets no weight",
+                "", kExpert, "smooth-residual"},
+               options.max_residual, above(0));
+  visitor.real({"max_move", "No depth moves by more than this many of its standard deviations", "",
+                kExpert, "smooth-move"},
+               options.max_move, above(0));
+}
 
 ImageF smooth_range_map(const ImageF& z, const ImageF& sigma,
                         const RangeMapSmoothingOptions& options) {

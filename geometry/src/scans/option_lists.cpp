@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/option_lists.h"
 
+#include "palpate/geometry/cloud_clusters.h"
+#include "palpate/geometry/cloud_normals.h"
+#include "palpate/geometry/cloud_outliers.h"
+#include "palpate/geometry/cloud_shapes.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_selection.h"
+#include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/smoothing.h"
@@ -36,6 +41,16 @@ void visit_options(FieldVisitor& visitor) {
   visit(registration, visitor);
   SurfaceMapOptions map;
   visit(map, visitor);
+  RangeMapSmoothingOptions depth_smoothing;
+  visit(depth_smoothing, visitor);
+  OutlierOptions outliers;
+  visit(outliers, visitor);
+  CloudNormalOptions normals;
+  visit(normals, visitor);
+  CloudShapeOptions shapes;
+  visit(shapes, visitor);
+  CloudClusterOptions clusters;
+  visit(clusters, visitor);
 }
 
 }  // namespace palpate::geometry

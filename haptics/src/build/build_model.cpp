@@ -24,6 +24,7 @@
 #include "fit/force_noise.h"
 #include "fit/pressing_field.h"
 #include "palpate/core/error.h"
+#include "palpate/core/idle_fields.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -411,6 +412,8 @@ Built build_with(const probing::CheckedAcquisition& acquisition,
 BuildResult build_model(const probing::CheckedAcquisition& acquisition,
                         const geometry::TriangleMesh& surface, const BuildOptions& options) {
   static_cast<void>(in_range(options));
+  if (options.fit.mode != FitMode::convex)
+    refuse_idle(options, "passive", {"try_certified", "compare_always"});
   Built built = build_with(acquisition, surface, options);
   const auto& pressing = built.result.pressing;
   if (!pressing || !(pressing->offsets.force_found || pressing->offsets.touch_found))

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "palpate/core/error.h"
+#include "palpate/core/idle_fields.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "playback/slip_search.h"
@@ -80,6 +81,7 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
       side(model.surface, field.blended().surface()),
       normals(geometry::triangle_normals(model.surface)),
       unknown_friction_count(haptics::unknown_friction_count(model)) {
+  if (options.motion != ContactMotion::bracketed) refuse_idle(options, "motion", {"energy_credit"});
   if (!model.rate.empty() && options.motion != ContactMotion::bracketed) {
     throw InvalidInput(std::vector<MessagePart>{
         {"PlaybackOptions::motion", true},

@@ -10,6 +10,7 @@
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
+#include "palpate/haptics/virtual_coupling.h"
 
 namespace palpate::haptics {
 
@@ -32,6 +33,8 @@ void visit_options(FieldVisitor& visitor) {
   visit(playback, visitor);
   devices::SafetyOptions safety;
   visit(safety, visitor);
+  CouplingOptions coupling;
+  visit(coupling, visitor);
 }
 
 }  // namespace palpate::haptics

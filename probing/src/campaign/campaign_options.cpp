@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/idle_fields.h"
 
 namespace palpate::probing {
 namespace {
@@ -82,6 +83,10 @@ void check_campaign_options(const CampaignOptions& options) {
   static_cast<void>(in_range(options));
   const bool is_limited = options.until > 0 || options.max_hours > 0 || options.max_samples > 0;
   const bool is_adaptive = options.strategy == TrialStrategy::adaptive;
+  if (options.strategy == TrialStrategy::bisection)
+    refuse_idle(options, "strategy", {"friction_accuracy", "cautious"});
+  else
+    refuse_idle(options, "strategy", {"resolution"});
   if (is_adaptive == is_limited) return;
   using Parts = std::vector<MessagePart>;
   const MessagePart strategy{"CampaignOptions::strategy", true},

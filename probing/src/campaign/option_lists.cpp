@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/option_lists.h"
 
+#include "palpate/probing/acquisition_mapping.h"
 #include "palpate/probing/campaign_options.h"
 #include "palpate/probing/contact_plan.h"
+#include "palpate/probing/contact_surface.h"
 #include "palpate/probing/known_forces.h"
 #include "palpate/probing/touch_placement.h"
 
@@ -18,6 +20,10 @@ void visit_options(FieldVisitor& visitor) {
   visit(known, visitor);
   TouchPlacementOptions placement;
   visit(placement, visitor);
+  AcquisitionMapping mapping;
+  visit(mapping, visitor);
+  ContactSurfaceOptions surface;
+  visit(surface, visitor);
 }
 
 }  // namespace palpate::probing

@@ -20,6 +20,8 @@
 #include "import/series_fields.h"
 #include "import/wrong_mapping.h"
 #include "palpate/core/error.h"
+#include "palpate/core/field_text.h"
+#include "palpate/core/idle_fields.h"
 #include "palpate/core/require.h"
 #include "palpate/geometry/mesh_io.h"
 
@@ -107,19 +109,6 @@ class MappingPage {
     if (!node.IsSequence() || node.size() != 3)
       refuse(node, "'" + name + "' must be three numbers such as [0, 0, 1]");
     return {number(node[0], name), number(node[1], name), number(node[2], name)};
-  }
-
-  template <typename Value>
-  [[nodiscard]] Value choice(const YAML::Node& node, const std::string& name,
-                             const std::vector<std::pair<const char*, Value>>& choices) const {
-    const std::string found = text(node, name);
-    std::string known;
-    for (const auto& [word, value] : choices) {
-      if (found == word) return value;
-      known += known.empty() ? "" : word == choices.back().first ? " or " : ", ";
-      known += word;
-    }
-    refuse(node, "'" + name + "' is '" + found + "'; it must be " + known);
   }
 
   using Keys = std::vector<std::pair<std::string, std::function<void(const YAML::Node&)>>>;
@@ -222,10 +211,13 @@ void read_units(const MappingPage& page, const YAML::Node& node, AcquisitionMapp
 }
 
 void read_series(const MappingPage& page, const YAML::Node& node, SeriesOptions& series) {
-  MappingPage::Keys keys = {
-      {"tare", [&](const auto& value) {
-         series.tare = page.choice<bool>(value, "tare", {{"true", true}, {"false", false}});
-       }}};
+  MappingPage::Keys keys = {{"tare", [&](const auto& value) {
+                               const std::string word = page.text(value, "tare");
+                               if (word != "true" && word != "false")
+                                 page.refuse(value,
+                                             "'tare' is '" + word + "'; it must be true or false");
+                               series.tare = word == "true";
+                             }}};
   for (const SeriesField& field : kSeriesFields) {
     keys.emplace_back(field.name, [&page, &series, &field](const YAML::Node& value) {
       const double number = page.number(value, field.name);
@@ -240,68 +232,29 @@ void read_series(const MappingPage& page, const YAML::Node& node, SeriesOptions&
 }
 
 void read_page(const MappingPage& page, const YAML::Node& root, AcquisitionMapping& mapping) {
-  page.read(
-      root, "a mapping",
-      {{"columns", [&](const auto& node) { read_columns(page, node, mapping.columns); }},
-       {"separator",
-        [&](const auto& node) {
-          mapping.separator = page.at(node, "separator",
-                                      [&] { return separator_from(page.text(node, "separator")); });
-        }},
-       {"header",
-        [&](const auto& node) {
-          mapping.header = page.choice<bool>(node, "header", {{"true", true}, {"false", false}});
-        }},
-       {"decimal",
-        [&](const auto& node) {
-          mapping.decimal_comma =
-              page.choice<bool>(node, "decimal", {{"point", false}, {"comma", true}});
-        }},
-       {"units", [&](const auto& node) { read_units(page, node, mapping); }},
-       {"forces_on",
-        [&](const auto& node) {
-          mapping.forces_on_tool =
-              page.choice<bool>(node, "forces_on", {{"object", false}, {"tool", true}});
-        }},
-       {"weight", [&](const auto& node) { mapping.weight = page.vector(node, "weight"); }},
-       {"frame", [&](const auto& node) { mapping.T_surface_file = read_frame(page, node); }},
-       {"content",
-        [&](const auto& node) {
-          mapping.content =
-              page.choice<RowContent>(node, "content",
-                                      {{"presses_and_drags", RowContent::presses_and_drags},
-                                       {"presses", RowContent::presses},
-                                       {"time_series", RowContent::time_series}});
-        }},
-       {"contacts",
-        [&](const auto& node) {
-          mapping.contacts = page.choice<ContactSource>(node, "contacts",
-                                                        {{"table", ContactSource::table},
-                                                         {"column", ContactSource::column},
-                                                         {"place", ContactSource::place}});
-        }},
-       {"normals",
-        [&](const auto& node) {
-          mapping.normals_from_forces =
-              page.choice<bool>(node, "normals", {{"columns", false}, {"forces", true}});
-        }},
-       {"same_place",
-        [&](const auto& node) {
-          mapping.same_place = page.number(node, "same_place");
-          page.at(node, "a mapping", [&] {
-            require("'same_place'", mapping.same_place, above(0).finite(), "mm");
-            return 0;
-          });
-        }},
-       {"probe_radius",
-        [&](const auto& node) {
-          mapping.probe_radius = page.number(node, "probe_radius");
-          page.at(node, "a mapping", [&] {
-            require("'probe_radius'", *mapping.probe_radius, above(0).finite(), "mm");
-            return 0;
-          });
-        }},
-       {"time_series", [&](const auto& node) { read_series(page, node, mapping.series); }}});
+  MappingPage::Keys keys = {
+      {"columns", [&](const auto& node) { read_columns(page, node, mapping.columns); }},
+      {"separator",
+       [&](const auto& node) {
+         mapping.separator = page.at(node, "separator",
+                                     [&] { return separator_from(page.text(node, "separator")); });
+       }},
+      {"units", [&](const auto& node) { read_units(page, node, mapping); }},
+      {"weight", [&](const auto& node) { mapping.weight = page.vector(node, "weight"); }},
+      {"frame", [&](const auto& node) { mapping.T_surface_file = read_frame(page, node); }},
+      {"time_series", [&](const auto& node) { read_series(page, node, mapping.series); }}};
+  for (const FieldText& field : texts_of(fields_of(mapping))) {
+    keys.emplace_back(field.name, [&, name = field.name](const YAML::Node& node) {
+      try {
+        assign(fields_of(mapping), name, page.text(node, name));
+      } catch (const FileError&) {
+        throw;
+      } catch (const InvalidInput& wrong) {
+        page.refuse(node, wrong.with_names([&](const auto&) { return "'" + name + "'"; }));
+      }
+    });
+  }
+  page.read(root, "a mapping", keys);
 }
 
 std::string mapping_text(const std::filesystem::path& path) {
@@ -340,18 +293,55 @@ char separator_from(const std::string& text) {
   return text.front();
 }
 
+void visit(AcquisitionMapping& mapping, FieldVisitor& visitor) {
+  using namespace std::string_view_literals;
+  static constexpr std::array kSigns{"point"sv, "comma"sv}, kBodies{"object"sv, "tool"sv},
+      kNormals{"columns"sv, "forces"sv};
+  static constexpr std::array kContents{"presses_and_drags"sv, "presses"sv, "time_series"sv},
+      kSources{"table"sv, "column"sv, "place"sv};
+  visitor.begin("AcquisitionMapping");
+  visitor.flag({"header",
+                "Read the names of columns in the first line of the files. Without them, the first "
+                "column is column_1"},
+               mapping.header);
+  visitor.choice({"decimal", "Decimal separator of all numbers"}, mapping.decimal_comma, kSigns);
+  visitor.choice({"forces_on",
+                  "What the forces act on: object, or tool if they are those that the tool feels, "
+                  "which changes their signs"},
+                 mapping.forces_on_tool, kBodies);
+  visitor.choice(
+      {"content",
+       "What a row is: a sample with all columns, a sample without a drag, or the tip at "
+       "one moment of a recording"},
+      mapping.content, kContents);
+  visitor.choice({"contacts",
+                  "What a contact is: a row of a table of its own, all rows with one number in the "
+                  "column contact, or all rows at one place"},
+                 mapping.contacts, kSources);
+  visitor.choice({"normals",
+                  "Where the normals of contacts come from that are made of rows: the columns "
+                  "nx,ny,nz, or the forces, opposite to their mean"},
+                 mapping.normals_from_forces, kNormals);
+  visitor.real({"same_place", "Rows at most this far apart are at one place", "mm"},
+               mapping.same_place, above(0).finite());
+  visitor.real({"probe_radius",
+                "Radius of the ball that touched the object, for palpate play --tool-radius", "mm"},
+               mapping.probe_radius, above(0).finite());
+}
+
 void check_mapping(const AcquisitionMapping& mapping) {
   require("AcquisitionMapping::length", mapping.length, above(0).finite(), "mm");
   require("AcquisitionMapping::force", mapping.force, above(0).finite(), "N");
   require("AcquisitionMapping::time", mapping.time, above(0).finite(), "s");
-  require("AcquisitionMapping::same_place", mapping.same_place, above(0).finite(), "mm");
-  require("AcquisitionMapping::probe_radius", mapping.probe_radius, above(0).finite(), "mm");
+  static_cast<void>(in_range(mapping));
   for (const double component : mapping.weight)
     require("AcquisitionMapping::weight", component, finite(), "N");
   check_names(mapping.columns);
+  if (mapping.contacts == ContactSource::table && mapping.content != RowContent::time_series)
+    refuse_idle(mapping, "contacts", {"same_place"});
   if (mapping.normals_from_forces && mapping.contacts == ContactSource::table &&
       mapping.content != RowContent::time_series)
-    throw wrong_mapping("normals_from_forces",
+    throw wrong_mapping("normals",
                         "contacts that have a table have their normals in "
                         "it; make the contacts from the rows (contacts: column or place)");
   if (mapping.normals_from_forces && mapping.columns.contains(kNormalForceColumn))

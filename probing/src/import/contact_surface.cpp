@@ -16,7 +16,6 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/quantile.h"
-#include "palpate/core/require.h"
 #include "palpate/geometry/facing_share.h"
 
 namespace palpate::probing {
@@ -277,10 +276,21 @@ class Selection {
 
 }  // namespace
 
+void visit(ContactSurfaceOptions& options, FieldVisitor& visitor) {
+  visitor.begin("ContactSurfaceOptions");
+  visitor.real({"longest_edge",
+                "Leave out triangles with an edge longer than this many times the median edge of "
+                "the surface that is made of contacts"},
+               options.longest_edge, above(1).finite());
+  visitor.real(
+      {"tip_radius", "Radius of the tip, over which the side of the surface at a contact is found",
+       "mm", false, "probe-radius"},
+      options.tip_radius, above(0).finite());
+}
+
 ContactSurface contact_surface(std::span<const Contact> contacts,
                                const ContactSurfaceOptions& options) {
-  require("ContactSurfaceOptions::longest_edge", options.longest_edge, above(1).finite());
-  require("ContactSurfaceOptions::tip_radius", options.tip_radius, above(0).finite(), "mm");
+  static_cast<void>(in_range(options));
   if (contacts.size() < 3) {
     throw refused("there are " + std::to_string(contacts.size()) +
                   " contacts; a surface needs at least three");

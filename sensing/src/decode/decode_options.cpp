@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "decode/decoder_geometry.h"
 #include "image/half_size.h"
@@ -117,8 +118,9 @@ void check_anchors(const std::vector<Anchor>& anchors, const Pattern& pattern,
         "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
   }
   if (striped && !anchors.empty()) {
-    throw InvalidInput(
-        "DecodeOptions: anchors: are for a pattern without stripes; with them, leave them out");
+    throw InvalidInput(std::vector<MessagePart>{
+        {"DecodeOptions::anchors", true},
+        {": are for a pattern without stripes; this one has stripes, so leave them out"}});
   }
   for (const Anchor& anchor : anchors) {
     require("Anchor::u_px", anchor.u_px, above(-0.5).below(camera.width - 0.5), "px");
@@ -133,10 +135,11 @@ Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
   check_pattern(pattern, "pattern");
   const double period = expected_carrier(rig, pattern).period() / 2;
   if (period < kLeastHalfPeriod) {
-    throw InvalidInput(
-        "DecodeOptions: half_resolution: a period of the sinusoid would have about " +
-        std::to_string(period) + " px at half the frame's size; at least " +
-        std::to_string(kLeastHalfPeriod) + " px are needed, decode at full size");
+    throw InvalidInput(std::vector<MessagePart>{
+        {"DecodeOptions::half_resolution", true},
+        {": a period of the sinusoid would have about " + std::to_string(period) +
+         " px at half the frame's size; at least " + std::to_string(kLeastHalfPeriod) +
+         " px are needed, decode at full size"}});
   }
   Rig decoded = rig;
   decoded.camera = half_size(rig.camera);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/idle_fields.h"
 #include "palpate/core/require.h"
 #include "palpate/sensing/pattern_colors.h"
 #include "palpate/sensing/stripe_sequence.h"
@@ -43,6 +44,7 @@ constexpr double kMean = 0.575, kAmplitude = 0.425;
 
 void check_options(const PatternOptions& options) {
   static_cast<void>(in_range(options));
+  if (options.period) refuse_idle(options, "period", {"min_camera_period", "min_projector_period"});
   if (options.range) {
     require("PatternOptions::range.near", options.range->near, above(0).finite(), "mm");
     require("PatternOptions::range.far", options.range->far, at_least(options.range->near).finite(),

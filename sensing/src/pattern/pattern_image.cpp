@@ -279,6 +279,21 @@ Rig rig_of_drawing(const Rig& rig, const DrawOptions& options) {
   return drawn;
 }
 
+void visit(DrawOptions& options, FieldVisitor& visitor) {
+  visitor.begin("DrawOptions");
+  visitor.flag({"rectify",
+                "Warp the pattern so that it leaves the projector as if from one without lens "
+                "distortion, parallel to the camera; rig.yaml then describes that projector"},
+               options.rectify);
+  visitor.flag(
+      {"compensation",
+       "Scale and shift the red and blue panels by the rig's chromatic values, so that all "
+       "colours coincide on the object; rig.yaml then has no shift"},
+      options.compensate);
+  visitor.whole({"bits", "Bits per channel of the images: 8 or 16"}, options.bits,
+                at_least(8).at_most(16));
+}
+
 cv::Mat draw_pattern(const Pattern& pattern, const Rig& rig, const DrawOptions& options) {
   check_pattern(pattern, "pattern");
   require_one_of("DrawOptions::bits", options.bits, {8, 16});
@@ -287,7 +302,7 @@ cv::Mat draw_pattern(const Pattern& pattern, const Rig& rig, const DrawOptions& 
 
 cv::Mat draw_pattern(const Pattern& pattern, int width, int height, int bits) {
   check_pattern(pattern, "pattern");
-  require_one_of("bits", bits, {8, 16});
+  require_one_of("DrawOptions::bits", bits, {8, 16});
   check_size(width, height);
   return draw(pattern, Sinusoid(pattern, 0), width, height, bits, kStraight);
 }
@@ -302,7 +317,7 @@ std::vector<cv::Mat> draw_multishot(const Pattern& pattern, const Rig& rig,
 
 std::vector<cv::Mat> draw_multishot(const Pattern& pattern, int width, int height, int bits) {
   require_multishot(pattern);
-  require_one_of("bits", bits, {8, 16});
+  require_one_of("DrawOptions::bits", bits, {8, 16});
   check_size(width, height);
   return each_shot(pattern, [&](const auto& light) {
     return draw(pattern, light, width, height, bits, kStraight);
@@ -311,7 +326,7 @@ std::vector<cv::Mat> draw_multishot(const Pattern& pattern, int width, int heigh
 
 cv::Mat draw_uniform(const Eigen::Vector3d& rgb, int width, int height, int bits) {
   check_size(width, height);
-  require_one_of("bits", bits, {8, 16});
+  require_one_of("DrawOptions::bits", bits, {8, 16});
   for (const double value : rgb) require("draw_uniform(): rgb", value, at_least(0).at_most(1));
   const double top = bits == 8 ? 255 : 65535;
   const Eigen::Vector3d levels = (top * rgb).array().round();

@@ -12,6 +12,7 @@
 #include "files/storage_file.h"
 #include "palpate/core/error.h"
 #include "palpate/core/field_text.h"
+#include "palpate/core/idle_fields.h"
 #include "palpate/core/output_file.h"
 #include "palpate/core/require.h"
 #include "palpate/sensing/virtual_sensor.h"
@@ -94,6 +95,8 @@ void visit(VirtualSensor& sensor, FieldVisitor& visitor) {
 void check_virtual_sensor(const VirtualSensor& sensor) {
   static_cast<void>(in_range(sensor));
   require_one_of("VirtualSensor::bits", sensor.bits, {8, 16});
+  if (sensor.exposure_distance) refuse_idle(sensor, "exposure_distance", {"exposure_percentile"});
+  if (sensor.full_well == 0) refuse_idle(sensor, "full_well", {"read_noise"});
 }
 
 VirtualSensor ideal(VirtualSensor sensor) {
@@ -101,6 +104,7 @@ VirtualSensor ideal(VirtualSensor sensor) {
   sensor.readout = Readout::color;
   sensor.bits = 16;
   sensor.full_well = 0;
+  sensor.read_noise = VirtualSensor{}.read_noise;  // does nothing without noise
   return sensor;
 }
 

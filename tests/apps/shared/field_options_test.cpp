@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "palpate/geometry/registration.h"
+#include "palpate/geometry/remeshing.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/sensing/decode.h"
 #include "shared/command_line.h"
@@ -110,6 +111,22 @@ TEST_F(FieldOptions, NameTheFieldsInErrorsOfTheLibrary) {
     EXPECT_EQ(with_option_names(error, app), "hold_ticks is -1 ticks; it must be >= 0")
         << "the command has no such option";
   }
+}
+
+TEST_F(FieldOptions, HaveTheNamesOfTheirListsInErrorsOfTheLibrary) {
+  geometry::RemeshingOptions remeshing;
+  add_fields(*command, fields_of(remeshing));
+  parse("");
+  const auto told = [&](const std::string& field) {
+    return with_option_names(InvalidInput(std::vector<MessagePart>{{field, true}}), app);
+  };
+  EXPECT_EQ(told("RemeshingOptions::edge_length"), "--remesh");
+  EXPECT_EQ(told("DecodeOptions::anchors[1].z"), "--anchor");
+  EXPECT_EQ(told("HoleFillingOptions::max_diameter"), "max_diameter")
+      << "the command has no --fill-holes";
+  EXPECT_EQ(field_option("HoleFillingOptions::max_diameter"), "--fill-holes");
+  EXPECT_EQ(field_option("ReduceOptions::slip"), "--no-slip") << "a flag that is true by default";
+  EXPECT_EQ(field_option("BuildOptions::rate"), "--rate");
 }
 
 TEST_F(FieldOptions, TakeAnglesInDegrees) {

@@ -108,6 +108,8 @@ TEST(CloudClusters, TellTheirProgress) {
 
 TEST(CloudClusters, RefuseOptionsOutOfRange) {
   EXPECT_EQ(refusal([] { return cloud_clusters(Matrix3Xd(3, 0), {}); }),
+            "CloudClusterOptions::max_gap must be given");
+  EXPECT_EQ(refusal([] { return cloud_clusters(Matrix3Xd(3, 0), {.max_gap = 0}); }),
             "CloudClusterOptions::max_gap is 0 mm; it must be > 0 and finite");
   EXPECT_EQ(
       refusal([] { return cloud_clusters(Matrix3Xd(3, 0), {.max_gap = 1, .min_points = 0}); }),

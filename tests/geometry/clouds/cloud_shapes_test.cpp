@@ -209,7 +209,11 @@ TEST(FindShapes, IgnoreUnknownPoints) {
 
 TEST(FindShapes, RefuseOptionsOutOfRange) {
   EXPECT_EQ(refusal([] { return find_plane(Matrix3Xd(3, 0), {}); }),
+            "CloudShapeOptions::tolerance must be given");
+  EXPECT_EQ(refusal([] { return find_plane(Matrix3Xd(3, 0), {.tolerance = 0}); }),
             "CloudShapeOptions::tolerance is 0 mm; it must be > 0 and finite");
+  EXPECT_EQ(refusal([] { return find_plane(Matrix3Xd(3, 0), {.tolerance = 1, .max_radius = 5}); }),
+            "CloudShapeOptions::max_radius does nothing: a plane has no radius");
   EXPECT_EQ(refusal([] { return find_sphere(Matrix3Xd(3, 0), {.tolerance = 1, .min_share = 0}); }),
             "CloudShapeOptions::min_share is 0; it must be in (0, 1]");
   EXPECT_EQ(

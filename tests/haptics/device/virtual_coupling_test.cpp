@@ -121,9 +121,16 @@ TEST(CheckCoupling, RefusesWhatCannotBe) {
       return 0;
     });
   };
-  EXPECT_NE(message({.stiffness = 0}).find("CouplingOptions::stiffness"), std::string::npos);
-  EXPECT_NE(message({.safety = 1.1}).find("CouplingOptions::safety"), std::string::npos);
-  EXPECT_NE(message({.most_steps = 0}).find("CouplingOptions::most_steps"), std::string::npos);
+  EXPECT_NE(message({.stiffness = 0}).find("CouplingOptions::coupling_stiffness"),
+            std::string::npos);
+  EXPECT_NE(message({.safety = 1.1}).find("CouplingOptions::coupling_safety"), std::string::npos);
+  EXPECT_NE(message({.most_steps = 0}).find("CouplingOptions::coupling_steps"), std::string::npos);
+  EXPECT_EQ(
+      message({.on = false, .stiffness = 1}),
+      "CouplingOptions::coupling_stiffness does nothing with CouplingOptions::coupling (off)");
+  EXPECT_EQ(message({.stiffness = 1, .safety = 0.4}),
+            "CouplingOptions::coupling_safety does nothing with "
+            "CouplingOptions::coupling_stiffness 1");
 }
 
 }  // namespace

@@ -28,7 +28,6 @@ TEST(VirtualSensorFile, KeepsEveryValue) {
                        .read_noise = 3.3,
                        .seed = 77,
                        .exposure_distance = 712.3,
-                       .exposure_percentile = 0.91,
                        .exposure_level = 0.83};
   write_virtual_sensor(folder / "sensor.yaml", sensor);
   const VirtualSensor read = read_virtual_sensor(folder / "sensor.yaml");
@@ -47,8 +46,11 @@ TEST(VirtualSensorFile, KeepsEveryValue) {
   EXPECT_EQ(read.read_noise, sensor.read_noise);
   EXPECT_EQ(read.seed, sensor.seed);
   EXPECT_EQ(read.exposure_distance, sensor.exposure_distance);
-  EXPECT_EQ(read.exposure_percentile, sensor.exposure_percentile);
   EXPECT_EQ(read.exposure_level, sensor.exposure_level);
+  sensor.exposure_distance.reset();
+  sensor.exposure_percentile = 0.91;
+  write_virtual_sensor(folder / "automatic.yaml", sensor);
+  EXPECT_EQ(read_virtual_sensor(folder / "automatic.yaml").exposure_percentile, 0.91);
 }
 
 TEST(VirtualSensorFile, LeavesDefaultsForWhatIsMissing) {

@@ -13,7 +13,9 @@ namespace palpate {
 /// A field and its value as text, which `assign` reads back to the same bits: "2.5", "true",
 /// "flood", rows of numbers as "1,2,3;4,5,6", and "" for a field that is left out.
 struct FieldText {
+  std::string type;                ///< of the struct, "DecodeOptions"
   std::string name, option, unit;  ///< as in `Field`
+  std::string range;               ///< of a number: "in (0, 1]"
   std::string text;
   bool is_flag = false;
 };

@@ -4,19 +4,24 @@
 
 #include <Eigen/Geometry>
 #include <functional>
+#include <optional>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct CloudClusterOptions {
-  double max_gap = 0;  ///< [mm] points at most this far apart are in one cluster; > 0
-  int min_points = 1;  ///< smaller clusters are left out; >= 1
+  std::optional<double> max_gap = {};  ///< must be given
+  int min_points = 1;
   /// Called after each part of the work; the last call has done == total. If it throws, the work
   /// ends.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(CloudClusterOptions& options, FieldVisitor& visitor);
 
 struct CloudClusters {
   std::vector<int> cluster;  ///< N: 0 is the largest; -1: in none, or not known

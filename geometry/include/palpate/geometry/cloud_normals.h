@@ -5,12 +5,13 @@
 #include <Eigen/Geometry>
 #include <functional>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field that users set stand in its list, `visit`.
 struct CloudNormalOptions {
-  /// Points, itself among them, whose plane gives the normal of a point; in [3, kMostNeighbours].
   int neighbours = 16;
   /// [mm] Positions from which the points were seen: normals point towards them. 3 x 0: unknown;
   /// 3 x 1: one for all points; 3 x N: one for each point.
@@ -19,6 +20,8 @@ struct CloudNormalOptions {
   /// If it throws, the work ends.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(CloudNormalOptions& options, FieldVisitor& visitor);
 
 struct CloudNormals {
   Eigen::Matrix3Xd normals;  ///< 3 x N, unit length; NaN where unknown

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 
 /// Points of a cloud (3 x N [mm]) that are not outliers. Points with a coordinate that is not
@@ -13,15 +14,16 @@
 /// points (for statistics: up to rounding), the frame, or the number of threads.
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct OutlierOptions {
-  int neighbours = 16;  ///< in [1, kMostNeighbours]; fewer if there are fewer other points
-  /// A point is kept if its mean distance from its neighbours is at most the mean of that of all
-  /// points plus this many of its standard deviations; > 0.
+  int neighbours = 16;
   double max_deviations = 3;
   /// Called in the calling thread after each part of the points; the last call has done == total.
   /// If it throws, the work ends.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(OutlierOptions& options, FieldVisitor& visitor);
 
 /// Leaves out points that are unusually far from their neighbours (Rusu et al. 2008).
 /// \return indices of the kept points, ascending; all known ones if there are fewer than 3.

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 
 /// Planes, spheres and cylinders in a cloud of points (3 x N [mm]).
@@ -22,23 +22,22 @@
 /// Points with a coordinate that is not finite are left out. Results are the same for any number of
 /// threads. The samples are the same for the same seed and order of the points; in another order or
 /// frame the same shape is found, up to rounding, unless another one is about as large.
-/// \throws InvalidInput if an option is outside its range.
+/// \throws InvalidInput if an option is outside its range, or max_radius is given for a plane.
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct CloudShapeOptions {
-  /// [mm] Points at most this far from a shape are on it; > 0. About three standard deviations of
-  /// the noise.
-  double tolerance = 0;
-  double min_share = 0.1;  ///< a shape is found if this fraction of the points is on it; in (0, 1]
-  /// [mm] Largest radius of a sphere or cylinder, > 0; without a limit, the diagonal of the cloud's
-  /// bounding box. A plane is nearly a sphere of a large radius.
+  std::optional<double> tolerance = {};  ///< must be given
+  double min_share = 0.1;
   double max_radius = std::numeric_limits<double>::infinity();
-  std::uint64_t seed = 1;
+  unsigned seed = 1;
   /// Called in the calling thread after each batch of trials, often fewer times than `total`; the
   /// last call has done == total, and a cloud with too few points has none. If it throws, the
   /// search ends.
   std::function<void(int done, int total)> progress = {};
 };
+
+void visit(CloudShapeOptions& options, FieldVisitor& visitor);
 
 struct PointsOnShape {
   std::vector<int> inliers;  ///< indices of the points within the tolerance, ascending

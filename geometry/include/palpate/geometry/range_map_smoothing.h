@@ -2,18 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/range_map.h"
 
 namespace palpate::geometry {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct RangeMapSmoothingOptions {
-  int radius_px = 3;  ///< the window is 2 radius_px + 1 wide and high; in [1, 15]
-  /// A neighbour gets no weight if its residual to the surface through the others is
-  /// >= max_residual times its deviation, because it then belongs to another surface; > 0.
+  int radius_px = 3;
   double max_residual = 4;
-  /// No depth moves by more than max_move times its deviation; > 0.
   double max_move = 1;
 };
+
+void visit(RangeMapSmoothingOptions& options, FieldVisitor& visitor);
 
 /// Reduces the noise of depths in accordance with their predicted deviations.
 ///

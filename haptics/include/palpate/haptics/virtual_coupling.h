@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 
 namespace palpate::haptics {
@@ -32,20 +33,21 @@ namespace palpate::haptics {
 [[nodiscard]] double quiet_friction(double stiffness, double resolution) noexcept;
 
 /// A spring between the device and a massless tool, which alone touches the model (Colgate, Stanley
-/// and Brown 1995). The device never feels more than this spring, however stiff the model is.
+/// and Brown 1995). The device never feels more than this spring, however stiff the model is. The
+/// meaning, unit and range of each field stand in its list, `visit`, where their names begin with
+/// "coupling".
 struct CouplingOptions {
   bool on = true;
-  /// [N/mm] > 0, at the device. None: `safety` times what is passive by the device's declared
-  /// damping and delay.
-  std::optional<double> stiffness = {};
-  double safety = 0.5;  ///< in (0, 1]; the rest of the damping calms the hand
-  /// [N s/mm] > 0: of a light grip, taken for devices that declare no damping.
+  std::optional<double> stiffness = {};  ///< [N/mm] at the device
+  double safety = 0.5;
   double least_damping = 5e-4;
-  double tolerance = 1e-3;  ///< [N] > 0 by which the forces of spring and model may differ
-  int most_steps = 8;       ///< >= 1, evaluations of the model in a tick
+  double tolerance = 1e-3;
+  int most_steps = 8;
 };
 
-/// \throws InvalidInput on an option outside its range.
+void visit(CouplingOptions& options, FieldVisitor& visitor);
+
+/// \throws InvalidInput on an option outside its range, or one that another makes meaningless.
 void check_coupling(const CouplingOptions& options);
 
 /// [N/mm] The stiffness of the spring, at the device.

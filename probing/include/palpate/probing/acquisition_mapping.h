@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/eigen_alignment.h"
 #include "palpate/probing/press_series.h"
 #include "palpate/probing/table_reader.h"
@@ -29,7 +30,8 @@ enum class ContactSource {
 };
 
 /// Mapping of the files of another laboratory to contacts and samples. docs/measurements.md
-/// describes each field, and the mapping file that holds them.
+/// describes each field, and the mapping file that holds them. The meaning, unit and range of those
+/// that are one number or word stand in their list, `visit`.
 struct AcquisitionMapping {
   /// Names of columns in the files, where they differ. "contacts.id" and "samples.id" are the
   /// column `id` of one of the two tables. Besides the columns of acquisition_csv.h there are
@@ -37,11 +39,11 @@ struct AcquisitionMapping {
   ColumnNames columns = {};
   std::optional<char> separator = std::nullopt;  ///< as in `TableLayout`, and so are the next two
   bool header = true;
-  bool decimal_comma = false;
+  bool decimal_comma = false;   ///< in the list: decimal
   double length = 1;            ///< [mm] unit of positions; > 0 and finite
   double force = 1;             ///< [N] unit of forces; > 0 and finite
   double time = 1;              ///< [s] unit of times; > 0 and finite
-  bool forces_on_tool = false;  ///< forces are those of the object on the tool: the signs change
+  bool forces_on_tool = false;  ///< in the list: forces_on
   /// [N] Weight of what hangs on the sensor, as a vector in the frame of the files; finite. It is
   /// taken off the forces, with which the sensor measures it.
   Eigen::Vector3d weight = Eigen::Vector3d::Zero();
@@ -49,11 +51,13 @@ struct AcquisitionMapping {
   std::optional<Eigen::Isometry3d> T_surface_file = std::nullopt;
   RowContent content = RowContent::presses_and_drags;
   ContactSource contacts = ContactSource::table;
-  bool normals_from_forces = false;  ///< normals are opposite to the mean force, not in columns
-  double same_place = 1;             ///< [mm] contacts are one if no further apart; > 0 and finite
-  SeriesOptions series = {};         ///< of `time_series`
-  std::optional<double> probe_radius = {};  ///< [mm] of the ball that touched; > 0 and finite
+  bool normals_from_forces = false;  ///< in the list: normals
+  double same_place = 1;
+  SeriesOptions series = {};  ///< of `time_series`
+  std::optional<double> probe_radius = {};
 };
+
+void visit(AcquisitionMapping& mapping, FieldVisitor& visitor);
 
 /// [N] Force of a unit given by name: N, mN, kN, g (the weight of a gram), kg or lbf.
 /// \throws InvalidInput for another name, with the names that are known.
@@ -68,7 +72,7 @@ struct AcquisitionMapping {
 [[nodiscard]] char separator_from(const std::string& text);
 
 /// \throws InvalidInput if a number is outside its range, if `columns` has an unknown key or two
-/// that exclude each other, or if `normals_from_forces` does not suit the other fields.
+/// that exclude each other, or if a field does not suit the other ones.
 void check_mapping(const AcquisitionMapping& mapping);
 
 /// Reads a mapping file (YAML).

@@ -5,17 +5,20 @@
 #include <span>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/contact_misfit.h"
 
 namespace palpate::probing {
 
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct ContactSurfaceOptions {
-  /// A triangle is left out if an edge is longer than this times the median edge; > 1 and finite.
   double longest_edge = 3;
-  double tip_radius = kUsualTipRadius;  ///< [mm] over which the surface is seen; > 0 and finite
+  double tip_radius = kUsualTipRadius;
 };
+
+void visit(ContactSurfaceOptions& options, FieldVisitor& visitor);
 
 struct ContactSurface {
   /// [mm] Vertex k is the contact with index kept[k]; triangles face as the normals do.

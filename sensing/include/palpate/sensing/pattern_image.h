@@ -7,24 +7,25 @@
 #include <string>
 #include <vector>
 
+#include "palpate/core/fields.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 
 namespace palpate::sensing {
 
 /// Options for drawing a pattern on the projector's panel.
+/// The meaning, unit and range of each field stand in its list, `visit`.
 struct DrawOptions {
   /// false: the pattern is drawn straight. A decoder that knows the projector's pose and lens sees
-  /// what the rig predicts: a stripe edge or a phase is one coordinate of the panel. true: the
-  /// pattern is warped so that it leaves the lens as if from a projector without distortion whose
-  /// axes are parallel to the camera's (thesis 3.2.2). Eqs. 3.2 and 3.11 then hold, and on surfaces
-  /// facing the camera the sinusoid has one period all over the image.
+  /// what the rig predicts: a stripe edge or a phase is one coordinate of the panel. true: Eqs. 3.2
+  /// and 3.11 hold (thesis 3.2.2), and on surfaces facing the camera the sinusoid has one period
+  /// all over the image.
   bool rectify = false;
-  /// Scales and shifts the red and the blue panel by the rig's beta and gamma (Eq. 3.13), so that
-  /// all colours coincide on the object.
-  bool compensate = true;
-  int bits = 8;  ///< per channel; 8 or 16
+  bool compensate = true;  ///< by Eq. 3.13; in the list: compensation
+  int bits = 8;
 };
+
+void visit(DrawOptions& options, FieldVisitor& visitor);
 
 /// Returns the rig with which frames of a drawing have to be decoded.
 ///
