@@ -35,7 +35,7 @@ def help_of(program, command, flag="--help-all"):
 
 
 def options_of_commands(program):
-    """Name of each command -> its options."""
+    """Name of each command -> its options, each with whether it takes a text."""
     commands, waiting = {}, [""]
     while waiting:
         command = waiting.pop(0)
@@ -43,19 +43,20 @@ def options_of_commands(program):
         if below:
             waiting += [f"{command} {name}".strip() for name in below]
         else:
-            commands[command] = set(re.findall(r"--[a-z][a-z0-9-]*", help_of(program, command)))
+            found = re.findall(r"(--[a-z][a-z0-9-]*)([ A-Z]*)", help_of(program, command))[::-1]  # the first counts
+            commands[command] = {name: kind.startswith(" TEXT") for name, kind in found}
     return commands
 
 
 def keywords_of_functions():
-    """Name of each function or class of the Python module -> its keyword arguments."""
+    """Name of each function or class of the Python module -> its keyword arguments, and its docstring."""
     found = {}
     for name in palpate.__all__:
         doc = getattr(getattr(palpate, name), "__init__", None) if isinstance(getattr(palpate, name), type) \
             else getattr(palpate, name)
         signature = re.match(r"\w+\((.*)\) -> ", getattr(doc, "__doc__", None) or "")
         if signature and "*, " in signature.group(1):
-            found[name] = set(re.findall(r"(\w+): ", signature.group(1).split("*, ", 1)[1]))
+            found[name] = set(re.findall(r"(\w+): ", signature.group(1).split("*, ", 1)[1])), doc.__doc__
     return found
 
 
@@ -69,10 +70,15 @@ def choices(field):
 
 
 def doors(fields, commands, functions):
-    """The commands and the Python functions that take all these fields."""
-    options, names = {option(field) for field in fields}, {field["name"] for field in fields}
-    return ([name for name, known in commands.items() if options <= known],
-            [name for name, known in functions.items() if names <= known])
+    """The commands and the Python functions that take all these fields; others have options of these names, too."""
+    def takes(options, field):
+        return option(field) in options and not (options[option(field)] and field["type"] in ("int", "float"))
+
+    def describes(names, doc, field):
+        return field["name"] in names and field["description"] in doc
+
+    return ([name for name, known in commands.items() if all(takes(known, field) for field in fields)],
+            [name for name, known in functions.items() if all(describes(*known, field) for field in fields)])
 
 
 def page(program):
