@@ -14,9 +14,11 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "fuzz_readers.h"
 #include "palpate/core/error.h"
+#include "palpate/devices/device_record.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/haptics/evaluate.h"
@@ -26,6 +28,7 @@
 #include "palpate/haptics/scene_file.h"
 #include "palpate/haptics/trajectory_file.h"
 #include "palpate/probing/acquisition_csv.h"
+#include "palpate/probing/acquisition_import.h"
 #include "palpate/probing/acquisition_mapping.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_setup.h"
@@ -35,6 +38,7 @@
 #include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
+#include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
@@ -56,6 +60,41 @@ void read_mesh(const fs::path& path) {
   geometry::ReadOptions options;
   options.keep_defects = true;
   (void)geometry::read_mesh_file(path, options);
+}
+
+void read_video(const fs::path& path) {
+  sensing::FrameSource source({path});
+  while (source.next()) {
+  }
+}
+
+void read_arm_record(const fs::path& path) {
+  devices::ReplayDevice device(path);
+  device.activate();
+  device.begin_trial(0);
+  devices::DeviceState state;
+  while (device.read(state)) {
+  }
+}
+
+void read_mat(const fs::path& path) {
+  const probing::AcquisitionMapping mapping{.columns = {{"px", "F(:,1)"},
+                                                        {"py", "F(:,2)"},
+                                                        {"pz", "F(:,3)"},
+                                                        {"ax", "data.A(:,1)"},
+                                                        {"ay", "data.A(:,2)"},
+                                                        {"az", "data.A(:,3)"}},
+                                            .content = probing::RowContent::presses,
+                                            .contacts = probing::ContactSource::place,
+                                            .normals_from_forces = true};
+  (void)probing::import_acquisition(std::vector{path}, mapping);
+}
+
+/// Shapes of the model whose document is the seed of the reader "field".
+void read_shapes(const fs::path& path) {
+  const fs::path model = path.parent_path().parent_path();
+  fs::copy(PALPATE_FUZZ_SEEDS "/field/field.json", model, fs::copy_options::skip_existing);
+  (void)haptics::read_model(model);
 }
 
 /// A reader of a path.
@@ -82,6 +121,7 @@ const std::map<std::string, Reader>& readers() {
               .width = 8, .height = 6, .fx = 8, .fy = 8, .cx = 4, .cy = 3};
           (void)sensing::read_depth_image(path, kMillimetre, camera);
         }}},
+      {"video", {"a.avi", read_video}},
       {"rig", {"a.yaml", of(sensing::read_rig)}},
       {"camera", {"a.json", of(sensing::read_camera_file)}},
       {"pattern", {"a.yaml", of(sensing::read_pattern)}},
@@ -98,6 +138,7 @@ const std::map<std::string, Reader>& readers() {
         [](const fs::path& path) {
           (void)probing::read_acquisition_csv(path.parent_path() / "contacts.csv", path);
         }}},
+      {"mat", {"a.mat", read_mat}},
       {"database", {"a.db", of(probing::read_acquisition)}},
       {"mapping", {"a.yaml", of(probing::read_mapping)}},
       {"plan", {"a.json", of(probing::read_plan)}},
@@ -112,8 +153,12 @@ const std::map<std::string, Reader>& readers() {
         [](const fs::path& path) {
           (void)probing::parse_arm_setup(probing::read_arm_setup_text(path), path.string());
         }}},
+      {"arm_record", {"a.arm", read_arm_record}},
       {"field",
        {"field.json", [](const fs::path& path) { (void)haptics::read_model(path.parent_path()); }}},
+      {"cbor",
+       {"field.cbor", [](const fs::path& path) { (void)haptics::read_model(path.parent_path()); }}},
+      {"shapes", {"deformed/response.bin", read_shapes}},
       {"queries", {"a.csv", of(haptics::read_queries)}},
       {"trajectory", {"a.csv", of(haptics::read_trajectory_file)}},
       {"poses", {"a.csv", of(haptics::read_pose_path)}},
@@ -134,11 +179,12 @@ const Reader& wanted_reader() {
   std::exit(2);
 }
 
-/// A folder with the files that readers need besides; in memory, if there is such a folder.
+/// A folder for a file, with the files that readers need besides; in memory, if there is such a
+/// folder.
 class Folder {
  public:
-  Folder() {
-    fs::create_directory(path_);
+  explicit Folder(const char* file) {
+    fs::create_directories((path_ / file).parent_path());
     fs::copy(PALPATE_FUZZ_MODEL, path_);
   }
   ~Folder() {
@@ -158,7 +204,7 @@ class Folder {
 
 std::string refusal_of(const std::uint8_t* data, std::size_t size) {
   static const Reader& reader = wanted_reader();
-  static const Folder folder;
+  static const Folder folder(reader.file);
   static const fs::path file = folder / reader.file;
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));

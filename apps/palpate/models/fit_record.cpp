@@ -117,7 +117,7 @@ bool is_record(const fs::path& file) {
   std::string line;
   std::getline(stream, line);
   const Json head = Json::parse(line, nullptr, false);
-  return head.is_object() && head.value("kind", "") == kFitRecord;
+  return head.is_object() && head.contains("kind") && head["kind"] == kFitRecord;
 }
 
 }  // namespace

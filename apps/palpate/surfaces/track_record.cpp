@@ -54,7 +54,7 @@ Json read_head(const fs::path& record) {
   std::string line;
   std::getline(stream, line);
   Json head = Json::parse(line, nullptr, false);
-  return head.is_object() && head.value("kind", "") == kTrackRecord ? head : Json();
+  return head.is_object() && head.contains("kind") && head["kind"] == kTrackRecord ? head : Json();
 }
 
 /// The names, without endings, of the range maps of a record.

@@ -194,7 +194,7 @@ struct ReplayDevice::Tape {
          c = std::fgetc(file))
       head += static_cast<char>(c);
     const json members = json::parse(head, nullptr, false);
-    if (!members.is_object() || members.value("format", "") != kRecordFormat)
+    if (!members.is_object() || !members.contains("format") || members["format"] != kRecordFormat)
       throw FileError(path + ": is no record of an arm" + kRecordExpected);
     const json version = members.value("version", json(0));
     if (version != kRecordVersion && version != 1) {

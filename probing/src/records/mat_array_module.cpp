@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <new>
 #include <string_view>
@@ -114,7 +115,11 @@ std::vector<double> numbers_of(const matvar_t& variable, std::size_t count) {
   }
 }
 
-MatArray array_of(const matvar_t& variable, const std::string& where) {
+/// Deflate makes at most this many bytes of one (zlib.net/zlib_tech.html).
+constexpr std::size_t kMostUnpacked = 1032;
+
+/// \param most numbers that the file can hold.
+MatArray array_of(const matvar_t& variable, const std::string& where, std::size_t most) {
   MatArray array = {.kind = variable.class_type,
                     .complex = variable.isComplex != 0,
                     .size = {variable.dims, variable.dims + variable.rank},
@@ -124,13 +129,19 @@ MatArray array_of(const matvar_t& variable, const std::string& where) {
   if (array.kind == MAT_C_STRUCT && count == 1) {
     char* const* const names = Mat_VarGetStructFieldnames(&variable);
     const std::size_t fields = Mat_VarGetNumberOfFields(const_cast<matvar_t*>(&variable));
+    if (fields > 0 && (names == nullptr || variable.data == nullptr))
+      refuse(where, "its fields cannot be read");
     for (std::size_t i = 0; i < fields; ++i) {
       const matvar_t* const field =
           Mat_VarGetStructFieldByIndex(const_cast<matvar_t*>(&variable), i, 0);
       if (field == nullptr) refuse(where, std::string("field ") + names[i] + " cannot be read");
-      array.fields[names[i]] = array_of(*field, where + "." + names[i]);
+      array.fields[names[i]] = array_of(*field, where + "." + names[i], most);
     }
   } else if (array.kind >= MAT_C_DOUBLE && array.kind <= MAT_C_UINT64 && !array.complex) {
+    if (count > most) {
+      refuse(where, "claims " + std::to_string(count) + " numbers, more than a file of this size " +
+                        "can hold");
+    }
     if (count > 0 && (variable.data == nullptr ||
                       variable.nbytes != count * static_cast<std::size_t>(variable.data_size)))
       refuse(where, "the numbers are not complete");
@@ -158,12 +169,16 @@ std::map<std::string, MatArray> read(const std::filesystem::path& path) {
                     ": is not a MAT file of version 5 to 7.3; save it with save('NAME.mat', ..., "
                     "'-v7') in MATLAB or Octave, or scipy.io.savemat in Python");
   }
-  if (version == MAT_FT_MAT5) check_elements(path);
+  std::size_t most = std::numeric_limits<std::size_t>::max();
+  if (version == MAT_FT_MAT5) {
+    check_elements(path);
+    most = kMostUnpacked * std::filesystem::file_size(path);
+  }
   std::map<std::string, MatArray> variables;
   while (const std::unique_ptr<matvar_t, MatDelete> variable{Mat_VarReadNext(file.get())}) {
     if (!complaint.empty()) break;
     if (variable->name != nullptr)
-      variables[variable->name] = array_of(*variable, path.string() + ": " + variable->name);
+      variables[variable->name] = array_of(*variable, path.string() + ": " + variable->name, most);
   }
   if (!complaint.empty()) refuse(path.string(), "libmatio reports: " + complaint);
   // It returns no variable at the end, and none where it cannot read one.
