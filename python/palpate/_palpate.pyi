@@ -335,6 +335,16 @@ class TrackedSurface(_Result):
     @property
     def settled(self) -> bool: ...
 
+class SmoothedMotion(_Result):
+    @property
+    def positions(self) -> _Float64: ...
+    @property
+    def velocity(self) -> _Float64: ...
+    @property
+    def sigma(self) -> _Float64: ...
+
+def smooth_motion(frames: Sequence[_Numbers], times: Sequence[float], time: float, window: float) -> SmoothedMotion: ...
+
 class SurfaceTracker(metaclass=_Class):
     def __init__(
         self,

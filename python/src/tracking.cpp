@@ -2,16 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "fields.h"
+#include "palpate/geometry/motion_smoothing.h"
 #include "palpate/geometry/surface_tracker.h"
 
 // A deforming surface in a sequence of range maps.
 namespace palpate::python {
 namespace {
 
+using geometry::SmoothedMotion;
 using geometry::SurfaceTracker;
 using geometry::TrackedSurface;
 using geometry::TrackingFigures;
@@ -66,10 +69,51 @@ void add_tracked_surface(py::module_& module) {
                              "Whether the surface came to rest before the steps ended.");
 }
 
+void add_motion_smoothing(py::module_& module) {
+  py::class_<SmoothedMotion>(module, "SmoothedMotion", "The result of smooth_motion().")
+      .def_property_readonly(
+          "positions",
+          [](const py::object& self) {
+            return rows_view(self.cast<SmoothedMotion&>().positions, self);
+          },
+          "[mm] (V, 3)")
+      .def_property_readonly(
+          "velocity",
+          [](const py::object& self) {
+            return rows_view(self.cast<SmoothedMotion&>().velocity, self);
+          },
+          "[mm/s] (V, 3)")
+      .def_property_readonly(
+          "sigma",
+          [](const py::object& self) {
+            return vector_view(self.cast<SmoothedMotion&>().sigma, self);
+          },
+          "[mm] (V,) standard deviation of each coordinate of a position, if the errors of the "
+          "frames are independent.");
+  module.def(
+      "smooth_motion",
+      [](const py::sequence& frames, const std::vector<double>& times, double time, double window) {
+        std::vector<Eigen::Matrix3Xd> positions;
+        for (const py::handle frame : frames)
+          positions.emplace_back(Points(frame, "frames").columns());
+        const Unlocked unlocked;
+        return geometry::smooth_motion(positions, times, time, window);
+      },
+      arg("frames"), arg("times"), arg("time"), arg("window"),
+      R"(Smooths the motion of vertices without lag, as `palpate motion --window` does.
+
+A parabola in time is fitted to each coordinate of a vertex, in the frames that are less than window
+before or after time; near frames count most.
+frames: the vertices at each time, (V, 3) each [mm]. times: of the frames, ascending [s]. time,
+window: [s].
+Raises InvalidInput, also if the window has fewer than four frames. Ctrl-C is not heard.)");
+}
+
 }  // namespace
 
 void add_tracking(py::module_& module) {
   add_tracked_surface(module);
+  add_motion_smoothing(module);
   TrackingOptions usual;
   py::class_<SurfaceTracker> tracker(
       module, "SurfaceTracker",

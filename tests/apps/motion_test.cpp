@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -164,6 +165,54 @@ TEST_F(Motion, CountsTheFramesIfTheirNamesEndInDecimalsOrInLongNumbers) {
     ASSERT_EQ(done.status, kDone) << done.err;
     EXPECT_EQ(json::parse(done.out)["per_frame"][3]["time"], 3);
   }
+}
+
+// A sheet that falls freely; the tracked vertices scatter by 0.3 mm, and frame 6 was lost.
+TEST_F(Motion, SmoothsPositionsOverTimeAndSaysHowWell) {
+  constexpr double kNoise = 0.3, kAcceleration = 2000;  // [mm], [mm/s^2]
+  fs::remove_all(scratch / "meshes");
+  fs::create_directory(scratch / "meshes");
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, kNoise);
+  const auto height = [&](int frame) {
+    return -kAcceleration / 2 * frame * frame / (kRate * kRate);
+  };
+  for (int frame = 0; frame < 13; ++frame) {
+    if (frame == 6) continue;
+    geometry::TriangleMesh mesh = sheet;
+    mesh.vertices.row(2).array() += height(frame);
+    for (double& number : mesh.vertices.reshaped()) number += noise(random);
+    geometry::write_mesh(scratch / ("meshes/" + std::to_string(100 + frame) + ".ply"), mesh);
+  }
+  const CommandResult done =
+      motion({"--rate", std::to_string(kRate), "--window", "0.13", "--json"});
+  ASSERT_EQ(done.status, kDone) << done.err;
+  const json frames = json::parse(done.out)["per_frame"];
+  ASSERT_EQ(frames.size(), 12U);
+  EXPECT_EQ(frames[0]["displacement_max"], 0);
+  const geometry::MeshFile mesh = result("105.ply");
+  geometry::TriangleMesh truth = sheet;
+  truth.vertices.row(2).array() += height(5);
+  const double error = std::sqrt((mesh.mesh.vertices - truth.vertices).squaredNorm() /
+                                 static_cast<double>(truth.vertices.size()));
+  EXPECT_LT(error, 0.6 * kNoise);
+  EXPECT_GT(frames[5]["sigma_smoothed"].get<double>() / error, 0.8);
+  EXPECT_LT(frames[5]["sigma_smoothed"].get<double>() / error, 1.2);
+  const auto fall = geometry::scalars(mesh.vertex_attributes, "velocity_z").value();
+  double mean = 0;
+  for (const double value : fall) mean += value / static_cast<double>(fall.size());
+  EXPECT_NEAR(mean, -kAcceleration * 5 / kRate, 2);
+}
+
+TEST_F(Motion, SmoothsOnlyWhereTheWindowHasEnoughFrames) {
+  const CommandResult some = motion({"--window", "3.5", "--json"});
+  EXPECT_EQ(some.status, kDone);
+  EXPECT_THAT(some.err, HasSubstr("2 of 4 frames are not smoothed: fewer than 4 frames"));
+  fs::remove_all(scratch / "motion");
+  const CommandResult none = motion({"--window", "2.5"});
+  EXPECT_EQ(none.status, kWrongCall);
+  EXPECT_THAT(none.err, HasSubstr("--window: no frame has 4 frames"));
+  EXPECT_FALSE(fs::exists(scratch / "motion"));
 }
 
 TEST_F(Motion, RefusesMeshesOfOtherTriangles) {

@@ -21,6 +21,7 @@
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/motion_smoothing.h"
 #include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/self_intersection_removal.h"
 #include "palpate/geometry/self_intersections.h"
@@ -243,6 +244,21 @@ Results strain(const Input& input, const Change&) {
           unknown_allowed(numbers("area", found.area, kNumber, &Order::sheet_vertices))};
 }
 
+/// A sheet that bends ever faster, and trembles.
+Results motion_smoothing(const Input& input, const Change&) {
+  const Eigen::Matrix3Xd bending = bent(input).vertices - input.sheet.vertices;
+  std::vector<Eigen::Matrix3Xd> frames;
+  std::vector<double> times;
+  for (int i = 0; i < 8; ++i) {
+    times.push_back(i / 30.0);
+    const double share = i * i * i / 512.0 + 0.5 * (i % 2);
+    frames.push_back(input.sheet.vertices + share * bending);
+  }
+  const SmoothedMotion found = smooth_motion(frames, times, times[3], 0.1);
+  return {places("positions", found.positions, &Order::sheet_vertices),
+          numbers("sigma", found.sigma, kLength, &Order::sheet_vertices)};
+}
+
 /// Two sheets through each other.
 TriangleMesh crossing(const Input& input) {
   TriangleMesh mesh = input.sheet;
@@ -347,6 +363,7 @@ std::vector<Operation> surface_operations() {
       {"farthest_points", kSheet, farthest, 0, 8},
       {"facing_shares", kSheet | kContacts, facing, 0, 8},
       {"surface_strain", kSheet, strain, 0, 64},
+      {"smooth_motion", kSheet, motion_smoothing, 0, 512},  // deviations are small beside it
       {"intersecting_triangles", kSheet, intersections, 0, 0},
       {"remove_self_intersections", kSheet, intersection_removal, 0, 0},
       {"triangulate_contacts: delaunay", kSheet | kContacts,

@@ -25,6 +25,7 @@
 #include "shared/inputs.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
+#include "surfaces/frame_motion.h"
 #include "surfaces/motion_sequence.h"
 
 namespace palpate::apps {
@@ -38,8 +39,9 @@ constexpr double kMostVertices = 0.99;
 struct MotionCall {
   fs::path input, reference, output;
   std::string format = "ply";
-  std::optional<double> rate;  // [Hz] frames
-  double radius = 0;           // [mm]
+  std::optional<double> rate;    // [Hz] frames
+  std::optional<double> window;  // [s], or frames without a rate; no smoothing without it
+  double radius = 0;             // [mm]
 };
 
 struct FrameFigures {
@@ -48,6 +50,8 @@ struct FrameFigures {
   double displacement = 0, displacement_max = 0;  // [mm] RMS, largest
   double stretch_max = 0, stretch_min = 0;        // 99 % and 1 % of the vertices are between
   double area = 0;                                // of the surface, relative to the reference
+  // [mm] Median standard deviation of the smoothed positions; NaN if they are not smoothed.
+  double sigma = std::numeric_limits<double>::quiet_NaN();
 };
 
 // Quantile of the known values.
@@ -78,16 +82,10 @@ std::string mesh_name(const MotionCall& call, const MotionFrame& frame) {
   return frame.file.stem().string() + "." + call.format;
 }
 
-/// A frame, and those beside it for velocities.
-struct Positions {
-  const Eigen::Matrix3Xd* before = nullptr;
-  const Eigen::Matrix3Xd* after = nullptr;
-  double seconds = 0;  // from one to the other
-};
-
 // Adds the quantities of motion to the attributes of a mesh.
 FrameFigures describe(const MotionCall& call, const geometry::TriangleMesh& reference,
-                      const Positions& beside, geometry::MeshFile& frame) {
+                      bool has_seconds, FrameMotion& motion) {
+  geometry::MeshFile& frame = motion.frame;
   const Eigen::Matrix3Xd displacement = frame.mesh.vertices - reference.vertices;
   const geometry::SurfaceStrain strain =
       geometry::surface_strain(reference, frame.mesh.vertices, call.radius);
@@ -95,11 +93,11 @@ FrameFigures describe(const MotionCall& call, const geometry::TriangleMesh& refe
   const Eigen::VectorXd distances = displacement.colwise().norm();
   add(attributes, "displacement", distances);
   add_vector(attributes, "displacement", displacement);
-  if (beside.seconds > 0) {
-    const Eigen::Matrix3Xd velocity = (*beside.after - *beside.before) / beside.seconds;
-    add(attributes, "speed", Eigen::VectorXd(velocity.colwise().norm()));
-    add_vector(attributes, "velocity", velocity);
+  if (has_seconds && motion.velocity) {
+    add(attributes, "speed", Eigen::VectorXd(motion.velocity->colwise().norm()));
+    add_vector(attributes, "velocity", *motion.velocity);
   }
+  if (motion.sigma.size() > 0) add(attributes, "sigma_smoothed", motion.sigma);
   add(attributes, "stretch_largest", strain.largest);
   add(attributes, "stretch_smallest", strain.smallest);
   add_vector(attributes, "stretch", strain.direction);
@@ -109,7 +107,8 @@ FrameFigures describe(const MotionCall& call, const geometry::TriangleMesh& refe
       .displacement_max = distances.maxCoeff(),
       .stretch_max = known_quantile(strain.largest, kMostVertices),
       .stretch_min = known_quantile(strain.smallest, 1 - kMostVertices),
-      .area = geometry::surface_area(frame.mesh) / geometry::surface_area(reference)};
+      .area = geometry::surface_area(frame.mesh) / geometry::surface_area(reference),
+      .sigma = known_quantile(motion.sigma, 0.5)};
 }
 
 Json to_json(const FrameFigures& figures) {
@@ -119,7 +118,8 @@ Json to_json(const FrameFigures& figures) {
           {"displacement_max", figures.displacement_max},
           {"stretch_max", figures.stretch_max},
           {"stretch_min", figures.stretch_min},
-          {"area_ratio", figures.area}};
+          {"area_ratio", figures.area},
+          {"sigma_smoothed", figures.sigma}};
 }
 
 // ParaView opens this file as one sequence.
@@ -131,34 +131,25 @@ std::string series_of(const std::vector<FrameFigures>& frames) {
 }
 
 /// \param rate [1/s] of the times of frames
+/// \param reference smoothed here if it is the first frame of a sequence that is to be smoothed.
 std::vector<FrameFigures> write_frames(const MotionCall& call, const MotionSequence& sequence,
                                        const std::optional<double>& rate,
-                                       const geometry::TriangleMesh& reference,
-                                       const fs::path& folder) {
+                                       geometry::TriangleMesh reference, const fs::path& folder) {
   const std::vector<MotionFrame>& frames = sequence.frames;
+  const geometry::TriangleMesh first = reference;
+  NearFrames near(sequence, rate, first);
+  std::vector<bool> is_smoothed(frames.size(), false);
+  if (call.window) is_smoothed = can_be_smoothed(near.times(), *call.window);
   std::vector<FrameFigures> figures;
   Progress progress("measuring motion");
-  std::vector<geometry::MeshFile> near;  // the frame, with those beside it
-  std::size_t first = 0;                 // of `near`
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const std::size_t begin = i > 0 ? i - 1 : 0, end = std::min(i + 2, frames.size());
-    while (first + near.size() < end)
-      near.push_back(read_motion_frame(frames[first + near.size()].file, reference));
-    if (first < begin) {
-      near.erase(near.begin());
-      ++first;
-    }
-    Positions beside;
-    if (rate) {
-      beside = {.before = &near.front().mesh.vertices,
-                .after = &near.back().mesh.vertices,
-                .seconds = (frames[end - 1].time - frames[begin].time) / *rate};
-    }
-    geometry::MeshFile frame = near[i - first];
-    figures.push_back(describe(call, reference, beside, frame));
+    FrameMotion motion =
+        is_smoothed[i] ? smoothed_motion(near, i, *call.window) : motion_between(near, i);
+    if (i == 0 && call.reference.empty()) reference.vertices = motion.frame.mesh.vertices;
+    figures.push_back(describe(call, reference, rate.has_value(), motion));
     figures.back().file = (call.output / mesh_name(call, frames[i])).string();
-    figures.back().time = frames[i].time / rate.value_or(1);
-    geometry::write_mesh_file(folder / mesh_name(call, frames[i]), frame);
+    figures.back().time = near.times()[i];
+    geometry::write_mesh_file(folder / mesh_name(call, frames[i]), motion.frame);
     progress.show(i + 1, frames.size());
   }
   if (call.format == "vtk") {
@@ -172,8 +163,9 @@ std::string motion_in_words(const MotionCall& call, const std::vector<FrameFigur
   for (const FrameFigures& of : frames) {
     words += fmt::format(
         "{}: displacement {:.3g} mm (RMS), at most {:.3g} mm; stretches from {:.3f} to {:.3f}; "
-        "area {:.3f}\n",
-        of.file, of.displacement, of.displacement_max, of.stretch_min, of.stretch_max, of.area);
+        "area {:.3f}{}\n",
+        of.file, of.displacement, of.displacement_max, of.stretch_min, of.stretch_max, of.area,
+        std::isfinite(of.sigma) ? fmt::format("; smoothed to {:.2g} mm", of.sigma) : "");
   }
   return words + fmt::format("{} meshes written to {}; stretches are those of 99 % of the vertices",
                              frames.size(), call.output.string());
@@ -217,6 +209,9 @@ void add_motion(CLI::App& app, const Settings& settings) {
   add_number(*command, "--rate", call->rate, above(0).finite(),
              "Frames per second, for velocities; frames are numbered by their names. Names "
              "that are times in seconds, as of a recording of TUM RGB-D, need none [Hz]");
+  add_number(*command, "--window", call->window, above(0).finite(),
+             "Smooth the positions over this time before and after each frame, without delay "
+             "[s; frames without --rate]");
   add_number(*command, "--radius", call->radius, at_least(0).finite(),
              "Stretches are averaged over this distance around each vertex; 0: over the "
              "vertices that share an edge [mm]")
@@ -227,9 +222,12 @@ void add_motion(CLI::App& app, const Settings& settings) {
       "Each mesh has these values at its vertices, with those that it had before: displacement "
       "[mm] and its components;\nspeed and velocity [mm/s] with --rate, or if the names are times; "
       "stretch_largest and stretch_smallest, the principal stretches (length divided\nby length in "
-      "the reference); stretch_x, _y, _z, the direction of the largest one; area_ratio.\n"
+      "the reference); stretch_x, _y, _z, the direction of the largest one; area_ratio. With "
+      "--window, "
+      "the vertices are those of\nparabolas in time that fit the frames best, velocities are their "
+      "slopes, and sigma_smoothed [mm] is the standard deviation\nof each coordinate.\n"
       "With --format vtk, ParaView opens motion.vtk.series as one sequence.\n"
-      "Examples:\n  palpate motion meshes/ --rate 30 --radius 5 -o motion/\n"
+      "Examples:\n  palpate motion meshes/ --rate 30 --window 0.15 --radius 5 -o motion/\n"
       "  palpate export motion/ --html -o motion.html");
   command->callback([call, &settings] { motion(settings, *call); });
 }
