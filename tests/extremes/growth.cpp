@@ -32,6 +32,7 @@ const std::vector<Growth>& stated_growth() {
       {"winding_numbers", kFacets, 2, 8, 1.7, 460},
       {"geodesic_distance: fast_marching", kCells, 2, 8, 1.3, 380},
       {"geodesic_distance: exact", kCells, 2, 8, 1.6, 580},
+      {"geodesic_distances", kCells, 2, 8, 1.3, 380},
       {"shortest_paths", kCells, 2, 8, 1.6, 3200},
       {"straighten_path", kCells, 2, 8, 1.5, 2900},
       {"decimate: tolerance", kFacets, 2, 8, 1.3, 1100},

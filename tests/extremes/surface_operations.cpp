@@ -152,6 +152,15 @@ Results geodesics(const Input& input, GeodesicMethod method) {
       unknown_allowed(numbers("distances", found.distance, kLength, &Order::sheet_vertices, 1e-9))};
 }
 
+Results geodesics_of_each_source(const Input& input, const Change&) {
+  const std::vector<SurfacePoint> contacts = contacts_in_order(input);
+  const std::span sources(contacts);
+  const Eigen::MatrixXd found =
+      geodesic_distances(input.sheet, sources.first(std::min(kSources, sources.size())));
+  return {unknown_allowed(
+      numbers("sums", found.rowwise().sum(), kLength, &Order::sheet_vertices, 1e-9))};
+}
+
 Results paths(const Input& input, const Change&) {
   const std::vector<SurfacePoint> contacts = contacts_in_order(input);
   const std::span points(contacts);
@@ -352,6 +361,7 @@ std::vector<Operation> surface_operations() {
       {"geodesic_distance: fast_marching", kSheet | kContacts,
        by(GeodesicMethod::fast_marching, geodesics), 0, 8},
       {"geodesic_distance: exact", kSheet | kContacts, by(GeodesicMethod::exact, geodesics), 0, 8},
+      {"geodesic_distances", kSheet | kContacts, geodesics_of_each_source, 0, 8},
       {"shortest_paths", kSheet | kContacts, paths, 0, 8},
       {"straighten_path", kSheet | kContacts, straightened, 0, 8},
       {"decimate: tolerance", kOptions | kBall, decimation_to_tolerance, 0, 8},
