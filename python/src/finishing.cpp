@@ -95,8 +95,8 @@ PyMethodDef* definition(py::handle value) {
   return reinterpret_cast<PyCFunctionObject*>(function)->m_ml;
 }
 
-/// "Returns a Decimation: mesh, source, distance, tries."; empty if `doc` says what is returned, or
-/// it is no class of the module.
+/// "Returns a Decimation with mesh, source, distance, tries."; empty if `doc` says what is
+/// returned, or if the result is not a class of the module.
 std::string returned(const std::string& doc, const py::module_& module) {
   static const std::regex kResult(R"(-> (Optional\[)?(?:palpate\.)?(\w+))");
   const std::string signature = doc.substr(0, doc.find('\n'));
@@ -109,9 +109,9 @@ std::string returned(const std::string& doc, const py::module_& module) {
   if (!is_class(type)) return "";
   std::string names;
   for (const py::handle property : properties(type))
-    names += (names.empty() ? ": " : ", ") + std::string(py::str(property));
+    names += (names.empty() ? " with " : ", ") + std::string(py::str(property));
   const char* article = std::string("AEIO").find(name.front()) == std::string::npos ? "a " : "an ";
-  return "Returns " + (article + name) + (found[1].matched ? " or None" : "") + names + ".";
+  return (found[1].matched ? "Returns None or " : "Returns ") + (article + name) + names + ".";
 }
 
 /// Adds what is returned to the docstring of a function; leaves all other values as they are.

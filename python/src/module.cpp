@@ -48,10 +48,10 @@ void add_errors(py::module_& module) {
   solver_error =
       new_error(module, "SolverError", "A numerical method that found no solution for valid input.",
                 py::make_tuple(base));
-  unavailable =
-      new_error(module, "Unavailable",
-                "What this build does not have, or whose package is missing; the message names it.",
-                py::make_tuple(base));
+  unavailable = new_error(module, "Unavailable",
+                          "A function that this build does not have, or whose package is missing; "
+                          "the message names it; the message names it.",
+                          py::make_tuple(base));
   // NOLINTNEXTLINE(performance-unnecessary-value-param): it is the type that pybind11 asks for
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {

@@ -43,16 +43,15 @@ fs::path camera_file(const fs::path& path, const std::optional<fs::path>& rig,
   if (!scale && lower_extension(path) == ".png")
     throw FileError(path.string() +
                     ": a depth image needs scale=, the length of one unit in mm: 1 for most "
-                    "RealSense and Kinect cameras");
+                    "recordings of RealSense and Azure Kinect cameras");
   if (rig) return *rig;
   const fs::path beside = path.parent_path() / "rig.yaml";
   std::error_code unknown;  // reading will tell more
   if (!fs::exists(beside, unknown)) {
-    throw FileError(path.string() +
-                    (fs::exists(path, unknown)
-                         ? ": needs its camera: pass the file of the camera as rig=, "
-                           "or put it beside it as rig.yaml"
-                         : ": no such file"));
+    throw FileError(path.string() + (fs::exists(path, unknown)
+                                         ? ": needs its camera: pass the camera file as rig=, "
+                                           "or save it as rig.yaml in the same folder"
+                                         : ": no such file"));
   }
   return beside;
 }

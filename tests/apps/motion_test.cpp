@@ -207,11 +207,12 @@ TEST_F(Motion, SmoothsPositionsOverTimeAndSaysHowWell) {
 TEST_F(Motion, SmoothsOnlyWhereTheWindowHasEnoughFrames) {
   const CommandResult some = motion({"--window", "3.5", "--json"});
   EXPECT_EQ(some.status, kDone);
-  EXPECT_THAT(some.err, HasSubstr("2 of 4 frames are not smoothed: fewer than 4 frames"));
+  EXPECT_THAT(some.err,
+              HasSubstr("2 of 4 frames are not smoothed: their windows have fewer than 4 frames"));
   fs::remove_all(scratch / "motion");
   const CommandResult none = motion({"--window", "2.5"});
   EXPECT_EQ(none.status, kWrongCall);
-  EXPECT_THAT(none.err, HasSubstr("--window: no frame has 4 frames"));
+  EXPECT_THAT(none.err, HasSubstr("--window: 2.5 frames is too short: no window has the 4 frames"));
   EXPECT_FALSE(fs::exists(scratch / "motion"));
 }
 

@@ -55,7 +55,8 @@ FrameMotion smoothed_motion(NearFrames& near, std::size_t i, double window) {
   return motion;
 }
 
-std::vector<bool> can_be_smoothed(const std::vector<double>& times, double window) {
+std::vector<bool> can_be_smoothed(const std::vector<double>& times, double window,
+                                  const char* unit) {
   std::vector<bool> enough;
   for (const double time : times)
     enough.push_back(geometry::frames_in_window(times, time, window) >=
@@ -63,13 +64,13 @@ std::vector<bool> can_be_smoothed(const std::vector<double>& times, double windo
   const auto without = std::ranges::count(enough, false);
   if (without == std::ssize(enough)) {
     throw InvalidInput(
-        fmt::format("--window: no frame has {} frames, with itself, less than {} before or after "
-                    "it; give a longer window (the sequence lasts {:.3g})",
-                    geometry::kFewestSmoothedFrames, window, times.back()));
+        fmt::format("--window: {} {} is too short: no window has the {} frames that a fit needs; "
+                    "give a longer one (the sequence lasts {:.3g} {})",
+                    window, unit, geometry::kFewestSmoothedFrames, times.back(), unit));
   }
   if (without > 0) {
     spdlog::warn(
-        "{} of {} frames are not smoothed: fewer than {} frames are less than --window from them.",
+        "{} of {} frames are not smoothed: their windows have fewer than {} frames (--window).",
         without, enough.size(), geometry::kFewestSmoothedFrames);
   }
   return enough;

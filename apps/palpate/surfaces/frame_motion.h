@@ -50,7 +50,9 @@ struct FrameMotion {
 [[nodiscard]] FrameMotion smoothed_motion(NearFrames& near, std::size_t i, double window);
 
 /// Whether the window of each frame has enough frames. Warns if some have not.
+/// \param unit of the times and the window, for messages.
 /// \throws InvalidInput if that of none has.
-[[nodiscard]] std::vector<bool> can_be_smoothed(const std::vector<double>& times, double window);
+[[nodiscard]] std::vector<bool> can_be_smoothed(const std::vector<double>& times, double window,
+                                                const char* unit);
 
 }  // namespace palpate::apps

@@ -139,7 +139,7 @@ std::vector<FrameFigures> write_frames(const MotionCall& call, const MotionSeque
   const geometry::TriangleMesh first = reference;
   NearFrames near(sequence, rate, first);
   std::vector<bool> is_smoothed(frames.size(), false);
-  if (call.window) is_smoothed = can_be_smoothed(near.times(), *call.window);
+  if (call.window) is_smoothed = can_be_smoothed(near.times(), *call.window, rate ? "s" : "frames");
   std::vector<FrameFigures> figures;
   Progress progress("measuring motion");
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -165,7 +165,9 @@ std::string motion_in_words(const MotionCall& call, const std::vector<FrameFigur
         "{}: displacement {:.3g} mm (RMS), at most {:.3g} mm; stretches from {:.3f} to {:.3f}; "
         "area {:.3f}{}\n",
         of.file, of.displacement, of.displacement_max, of.stretch_min, of.stretch_max, of.area,
-        std::isfinite(of.sigma) ? fmt::format("; smoothed to {:.2g} mm", of.sigma) : "");
+        std::isfinite(of.sigma)
+            ? fmt::format("; standard deviation after smoothing {:.2g} mm (median)", of.sigma)
+            : "");
   }
   return words + fmt::format("{} meshes written to {}; stretches are those of 99 % of the vertices",
                              frames.size(), call.output.string());
@@ -208,10 +210,10 @@ void add_motion(CLI::App& app, const Settings& settings) {
                       "Mesh with which the others are compared (default: the first one)");
   add_number(*command, "--rate", call->rate, above(0).finite(),
              "Frames per second, for velocities; frames are numbered by their names. Names "
-             "that are times in seconds, as of a recording of TUM RGB-D, need none [Hz]");
+             "that are times in seconds, as of a recording of TUM RGB-D, replace it [Hz]");
   add_number(*command, "--window", call->window, above(0).finite(),
              "Smooth the positions over this time before and after each frame, without delay "
-             "[s; frames without --rate]");
+             "[s; frames if there is no --rate and the names are not times]");
   add_number(*command, "--radius", call->radius, at_least(0).finite(),
              "Stretches are averaged over this distance around each vertex; 0: over the "
              "vertices that share an edge [mm]")
@@ -219,13 +221,15 @@ void add_motion(CLI::App& app, const Settings& settings) {
   add_word(*command, "--format", call->format, {"ply", "vtk"}, "Format of the meshes: ply or vtk")
       ->capture_default_str();
   command->footer(
-      "Each mesh has these values at its vertices, with those that it had before: displacement "
+      "Each mesh keeps its values and gets these at its vertices: displacement "
       "[mm] and its components;\nspeed and velocity [mm/s] with --rate, or if the names are times; "
       "stretch_largest and stretch_smallest, the principal stretches (length divided\nby length in "
-      "the reference); stretch_x, _y, _z, the direction of the largest one; area_ratio. With "
-      "--window, "
-      "the vertices are those of\nparabolas in time that fit the frames best, velocities are their "
-      "slopes, and sigma_smoothed [mm] is the standard deviation\nof each coordinate.\n"
+      "the reference); stretch_x, _y, _z, the direction of the largest one; area_ratio.\n"
+      "With --window, a parabola in time is fitted to each coordinate of a vertex: its value is "
+      "the "
+      "position, its slope the\nvelocity, and sigma_smoothed [mm] is the standard deviation of "
+      "each "
+      "coordinate.\n"
       "With --format vtk, ParaView opens motion.vtk.series as one sequence.\n"
       "Examples:\n  palpate motion meshes/ --rate 30 --window 0.15 --radius 5 -o motion/\n"
       "  palpate export motion/ --html -o motion.html");

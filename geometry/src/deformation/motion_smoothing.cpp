@@ -101,7 +101,7 @@ SmoothedMotion smooth_motion(std::span<const Eigen::Matrix3Xd> frames,
   if (near.size() < static_cast<std::size_t>(kFewestSmoothedFrames)) {
     throw InvalidInput("smooth_motion(): the window has " + std::to_string(near.size()) +
                        " frames; at least " + std::to_string(kFewestSmoothedFrames) +
-                       " are needed, so give a longer one");
+                       " are needed. Give a longer window");
   }
   const ParabolaFit fit = fit_of(near_times, time, window);
   const Eigen::Matrix3Xd& origin = *near.front();  // near it, digits are not lost
