@@ -2,20 +2,21 @@
 # SPDX-License-Identifier: Apache-2.0
 # What is built, by the name of a component: palpate_has_NAME is ON for what PALPATE_COMPONENTS lists, and what that needs.
 set(PALPATE_COMPONENTS "all" CACHE STRING
-    "What to build, with all that it needs: core, geometry, sensing, devices, probing, acquisition, haptics, c, tools, python, or all")
+    "What to build, with all that it needs: core, geometry, documents, sensing, devices, probing, acquisition, haptics, c, tools, python, or all")
 
-set(libraries core geometry sensing devices probing acquisition haptics c)
+set(libraries core geometry documents sensing devices probing acquisition haptics c)
 string(JOIN ", " known ${libraries} tools python)
 set(core_needs "")
 set(geometry_needs core)
-set(sensing_needs geometry core)
+set(documents_needs geometry core)
+set(sensing_needs documents geometry core)
 set(devices_needs geometry core)
-set(probing_needs devices geometry core)
-set(acquisition_needs sensing probing devices geometry core)
-set(haptics_needs probing devices geometry core)
-set(c_needs haptics probing devices geometry core)
-set(tools_needs acquisition sensing haptics probing devices geometry core)   # the command palpate
-set(python_needs sensing haptics probing devices geometry core)
+set(probing_needs devices documents geometry core)
+set(acquisition_needs sensing probing devices documents geometry core)
+set(haptics_needs probing devices documents geometry core)
+set(c_needs haptics probing devices documents geometry core)
+set(tools_needs acquisition sensing haptics probing devices documents geometry core)   # the command palpate
+set(python_needs sensing haptics probing devices documents geometry core)
 set(all_needs ${libraries} tools python)                 # and windows, examples, studies and tests
 
 foreach(name ${libraries} tools python all)

@@ -21,7 +21,7 @@ import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-COMPONENTS = ("core", "geometry", "sensing", "devices", "probing", "haptics", "python")  # python_needs in cmake/palpate_components.cmake
+COMPONENTS = ("core", "geometry", "documents", "sensing", "devices", "probing", "haptics", "python")  # python_needs in cmake/palpate_components.cmake
 DEPENDENCIES = "`./dev setup` installs the Debian packages that Palpate needs; deps.txt lists them"
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from nbconvert import MarkdownExporter
 
-LIBRARIES = ["core", "geometry", "sensing", "devices", "probing", "acquisition", "haptics", "c"]
+LIBRARIES = ["core", "geometry", "documents", "sensing", "devices", "probing", "acquisition", "haptics", "c"]
 PYTHON = """# Python reference
 
 ```{eval-rst}

@@ -9,6 +9,7 @@
 #include "bindings.h"
 #include "fields.h"
 #include "long_work.h"
+#include "palpate/documents/document.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/probing/known_forces.h"
 #include "palpate/probing/specimen_file.h"
@@ -93,9 +94,9 @@ Raises SolverError if there is no equilibrium, InvalidInput unless both are fini
   module.def(
       "read_specimen",
       [](const fs::path& path) {
-        return new_specimen(probing::read_specimen_text(path), path.string());
+        return new_specimen(documents::read_json_text(path), path.string());
       },
-      arg("path"), "Reads a simulated object (JSON; docs/probing.md). Raises FileError.");
+      arg("path"), "Reads a simulated object (JSON or YAML; docs/probing.md). Raises FileError.");
 }
 
 void add_known_forces(py::module_& module) {

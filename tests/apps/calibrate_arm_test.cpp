@@ -88,10 +88,10 @@ TEST(CalibrateArm, ByTouchesWritesThePoseAndKeepsTheRestOfASetup) {
   const geometry::TriangleMesh hand = geometry::read_mesh(mesh);
   write_text(scratch / "touches.csv", touches_of_hand(hand));
   write_text(scratch / "arm.json", R"({"structure": 3.25, "driver": {"port": "usb0"}})");
-  write_text(scratch / "rough.json", probing::with_pose("{}", "", near_place_of_arm()));
+  write_text(scratch / "rough.yaml", probing::with_pose("{}", "", near_place_of_arm()));
   const CommandResult result = run_palpate(
       {"calibrate", "arm", "--touches", scratch / "touches.csv", "--surface", mesh, "--tip-radius",
-       "2", "--start", scratch / "rough.json", "-o", scratch / "arm.json", "--json"});
+       "2", "--start", scratch / "rough.yaml", "-o", scratch / "arm.json", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;
   const nlohmann::json figures = nlohmann::json::parse(result.out);
   const Vector3d middle = hand.vertices.rowwise().mean();
@@ -225,6 +225,7 @@ TEST(CalibrateArm, RefusesWrongCalls) {
   refused(touches, "'z'", "new.json");
   refused(touches, "arm.json");  // before anything is read or computed
   refused({"--ball", scratch / "t.csv", "--ball-radius", "9"}, "arm.json");
+  refused({"--ball", scratch / "t.csv", "--ball-radius", "9"}, "must end in .json", "arm.yaml");
   refused({"--ball", scratch / "t.csv"}, "--ball-radius");
   refused({"--ball", scratch / "t.csv", "--ball-radius", "0"}, "--ball-radius");
   refused({"--start", hand, "--ball", scratch / "t.csv"}, "--touches");

@@ -134,7 +134,7 @@ TEST_F(IdentifySolid, RefusesWhatCannotBeASolidOfTheMeasurements) {
   const std::string other = scratch / "other.json";
   write_text(other, R"({"type": "sheet"})");
   EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", other}),
-              HasSubstr("must be of the type finite_elements"));
+              HasSubstr("expected \"finite_elements\""));
   write_text(other, block("0.03").replace(1, 0, "\"tip_radius\": 3, "));
   EXPECT_THAT(refused({"identify", acquisition, "--finite-elements", other}),
               HasSubstr("tip_radius of 3 mm"));

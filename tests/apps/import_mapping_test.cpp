@@ -317,7 +317,7 @@ TEST_F(ImportMapping, ThatIsWrongIsRefusedBeforeAnythingIsWritten) {
   const CommandResult none = run_palpate({"probe", "import", "--mapping", scratch / "none.yaml",
                                           scratch / "lab.mat", "-o", scratch / "a.db"});
   EXPECT_EQ(none.status, kWrongCall);
-  EXPECT_THAT(none.err, HasSubstr("none.yaml: there is no such file; expected a mapping file"));
+  EXPECT_THAT(none.err, HasSubstr("none.yaml: no such file"));
   // Contacts of which no surface can be made.
   lab = lab_presses();
   lab.points.col(1).setZero();

@@ -246,7 +246,7 @@ TEST_F(ProbeArm, RefusesWrongCalls) {
   says({"--replay", specimen}, "is no record of an arm");
   says({"--replay", specimen, "--specimen", specimen}, "leave out --arm");
   write_text(config, R"({"ramp": -1})");
-  says(simulated, "'ramp' is -1");
+  says(simulated, "at /ramp: found -1");
   EXPECT_NE(refused(call({"--specimen", specimen}, "")).find("give -o, or --dry-run"),
             std::string::npos);
   EXPECT_NE(refused(call({"--specimen", specimen}, "", {"--dry-run"})).find("does not move"),

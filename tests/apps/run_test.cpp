@@ -478,7 +478,7 @@ TEST_F(Run, RefusesAWrongProjectBeforeTheFirstStep) {
   write_project("mesh:\n\trange: scan.ply\n");
   expect_refused("project.yaml: line 2: is not YAML");
   fs::remove(scratch / "project.yaml");
-  expect_refused("project.yaml: there is no such file");
+  expect_refused("project.yaml: no such file");
   fs::create_directories(scratch / "project.yaml");
   expect_refused("project.yaml: is a folder");
 }

@@ -19,6 +19,7 @@
 #include "fuzz_readers.h"
 #include "palpate/core/error.h"
 #include "palpate/devices/device_record.h"
+#include "palpate/documents/document.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/haptics/evaluate.h"
@@ -146,12 +147,12 @@ const std::map<std::string, Reader>& readers() {
       {"specimen",
        {"a.json",
         [](const fs::path& path) {
-          (void)probing::parse_specimen(probing::read_specimen_text(path), path.string());
+          (void)probing::parse_specimen(documents::read_json_text(path), path.string());
         }}},
       {"arm",
        {"a.json",
         [](const fs::path& path) {
-          (void)probing::parse_arm_setup(probing::read_arm_setup_text(path), path.string());
+          (void)probing::parse_arm_setup(documents::read_json_text(path), path.string());
         }}},
       {"arm_record", {"a.arm", read_arm_record}},
       {"field",

@@ -14,7 +14,7 @@ GUARD = "palpate/geometry/eigen_alignment.h"
 def unguarded(repository):
     """The public headers that show Eigen without the guard."""
     texts = {}
-    for folder in ("geometry", "sensing", "devices", "probing", "acquisition", "haptics"):
+    for folder in ("geometry", "documents", "sensing", "devices", "probing", "acquisition", "haptics"):
         include = repository / folder / "include"
         texts |= {str(path.relative_to(include)): path.read_text() for path in include.rglob("*.h")}
     assert GUARD in texts, f"{repository}: has no {GUARD}"

@@ -9,7 +9,8 @@ import re
 import sys
 from pathlib import Path
 
-SOURCES = {"core": "core/src", "geometry": "geometry/src", "sensing": "sensing/src", "devices": "devices/src", "probing": "probing/src",
+SOURCES = {"core": "core/src", "geometry": "geometry/src", "sensing": "sensing/src", "documents": "documents/src",
+           "devices": "devices/src", "probing": "probing/src",
            "acquisition": "acquisition/src", "haptics": "haptics/src", "palpate": "apps/palpate"}
 INCLUDE = re.compile(r'#include "([^"]+)"')
 TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)\b(?!::)[^;]*?\{", re.M)  # at the level of the namespace

@@ -74,7 +74,7 @@ class Installed(unittest.TestCase):
         present = {str(path.relative_to(self.packages)) for path in self.packages.rglob("*") if path.is_file()}
         self.assertEqual(listed, present)
         api = ".".join(VERSION.split(".")[:2])
-        libraries = {f"libpalpate_{name}.so.{api}" for name in ("core", "geometry", "sensing", "devices", "probing", "haptics")}
+        libraries = {f"libpalpate_{name}.so.{api}" for name in ("core", "geometry", "documents", "sensing", "devices", "probing", "haptics")}
         modules = {f"libpalpate_{name}-{api}.so"
                    for name in ("aravis_camera", "assimp", "image_codecs", "ipopt", "mat_array", "registration_pcl", "video_capture")}
         package = {"__init__.py", "_notebook.py", "_palpate.pyi", "py.typed", "page.html",

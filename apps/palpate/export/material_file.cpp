@@ -9,6 +9,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
+#include "palpate/documents/document.h"
 #include "palpate/probing/material_text.h"
 #include "palpate/probing/simulator_files.h"
 #include "palpate/probing/specimen_file.h"
@@ -25,7 +26,7 @@ std::string simulator_ending(const std::string& simulator) {
 
 std::string write_material(const fs::path& input, const std::string& simulator,
                            const fs::path& output) {
-  const std::string text = probing::read_specimen_text(input);
+  const std::string text = documents::read_json_text(input);
   const probing::FiniteElementObject object = probing::parse_finite_elements(text, input.string());
   fs::path mesh = output;
   mesh += ".msh";

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/identify.h"
+#include "palpate/documents/document.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -195,7 +196,7 @@ void warn_of_gaps(const haptics::IdentifiedSolid& found, const haptics::SolidOpt
 
 void identify_solid(const Settings& settings, const IdentifyCall& call,
                     const probing::CheckedAcquisition& acquisition, Json warnings) {
-  const std::string text = probing::read_specimen_text(*call.solid);
+  const std::string text = documents::read_json_text(*call.solid);
   const probing::FiniteElementObject object =
       probing::parse_finite_elements(text, call.solid->string());
   if (call.card) check_outputs({call.acquisition, *call.solid, object.mesh_file}, {*call.card});
@@ -255,10 +256,10 @@ void add_identify(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   add_number(*command, "--tool-radius", call->tool_radius, above(0),
              "For the half-space: radius of the tool's flat end [mm]");
-  CLI::Option* solid = command->add_option(
-      "--finite-elements", call->solid,
-      "Specimen file (JSON) of a solid of finite elements: shear moduli of its regions, bulk "
-      "modulus, pre-stretch and friction are estimated");
+  CLI::Option* solid = command->add_option("--finite-elements", call->solid,
+                                           "Specimen file (JSON or YAML) of a solid of finite "
+                                           "elements: shear moduli of its regions, bulk "
+                                           "modulus, pre-stretch and friction are estimated");
   solid->excludes("--model")->excludes("--tool-radius");
   add_fields_of(*solid, *command, fields_of(call->solid_options));
   command->add_option("-o,--output", call->card,

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/documents/document.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/bake_model.h"
 #include "palpate/haptics/evaluate.h"
@@ -44,7 +45,7 @@ struct BakeCall {
 
 std::unique_ptr<probing::Specimen> read_specimen(const fs::path& path) {
   try {
-    return probing::parse_specimen(probing::read_specimen_text(path), path.string());
+    return probing::parse_specimen(documents::read_json_text(path), path.string());
   } catch (const SolverError& error) {  // of the object at rest, before the tip comes
     throw SolverError(path.string() + ": " + error.what());
   }
@@ -188,7 +189,8 @@ void add_bake(CLI::App& app, const Settings& settings) {
   call->queries.queries = 100;
   CLI::App* command = app.add_subcommand(
       "bake", "Make a model of a simulated object, such as one of finite elements");
-  add_required(*command, "SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)");
+  add_required(*command, "SPECIMEN", call->specimen,
+               "Simulated object (JSON or YAML; docs/probing.md)");
   add_required(*command, "-o,--output", call->output, "Model folder to write");
   constexpr std::array<std::string_view, 4> kOfPlan{"spacing", "contacts", "directions",
                                                     "max_force"};

@@ -11,6 +11,7 @@
 #include "palpate/core/error.h"
 #include "palpate/devices/device_record.h"
 #include "palpate/devices/plugin_device.h"
+#include "palpate/documents/document.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/probing/arm_setup.h"
 #include "palpate/probing/quasi_static_arm.h"
@@ -283,8 +284,7 @@ probing::PlanReach CampaignArm::reach(const probing::ContactPlan& plan,
 
 std::string describe_arm(const ArmCall& call) {
   const bool is_simulated = call.arm == kQuasiStatic || call.arm == kVirtual;
-  const std::string setup =
-      call.setup.empty() ? kNoSetup : probing::read_arm_setup_text(call.setup);
+  const std::string setup = call.setup.empty() ? kNoSetup : documents::read_json_text(call.setup);
   if (!call.setup.empty())  // so that messages name the file
     static_cast<void>(probing::parse_arm_setup(setup, call.setup.string()));
   if (!call.replay.empty()) {
@@ -301,7 +301,7 @@ std::string describe_arm(const ArmCall& call) {
     if (call.arm == kQuasiStatic && !call.setup.empty())
       throw InvalidInput("--arm-config: the quasi-static arm has no setup; give --arm virtual");
     Json json{{"arm", call.arm},
-              {"specimen", probing::read_specimen_text(call.specimen)},
+              {"specimen", documents::read_json_text(call.specimen)},
               {"seed", call.seed}};
     if (call.arm == kVirtual) json["setup"] = setup;
     return json.dump();

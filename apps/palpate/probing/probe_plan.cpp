@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/documents/document.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_query.h"
@@ -80,7 +81,7 @@ void plan(const Settings& settings, PlanCall call) {
   check_outputs({call.surface, call.specimen, call.scene.scene}, {call.output, call.picture});
   const geometry::TriangleMesh mesh =
       call.specimen.empty() ? geometry::read_mesh(call.surface, call.read)
-                            : probing::parse_specimen(probing::read_specimen_text(call.specimen),
+                            : probing::parse_specimen(documents::read_json_text(call.specimen),
                                                       call.specimen.string())
                                   ->surface();
   std::vector<bool> needed;
@@ -109,7 +110,7 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
   CLI::App* command = probe.add_subcommand("plan", "Plan where and how hard to probe a surface");
   command->add_option("SURFACE", call->surface, "Mesh of the undeformed object");
   command->add_option("--specimen", call->specimen,
-                      "Instead of SURFACE: a simulated object (JSON; docs/probing.md)");
+                      "Instead of SURFACE: a simulated object (JSON or YAML; docs/probing.md)");
   add_required(*command, "-o,--output", call->output, "Plan to write (plan.json)");
   add_unit_option(*command, call->read);
   add_fields(*command, fields_of(call->options));

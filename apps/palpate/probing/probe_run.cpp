@@ -302,11 +302,11 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
                   "control loop at 1 kHz; or the driver of a device, a shared library")
       ->capture_default_str();
   run->add_option("--specimen", call->arm.specimen,
-                  "Object of a simulated arm (JSON; docs/probing.md)");
+                  "Object of a simulated arm (JSON or YAML; docs/probing.md)");
   run->add_option("--surface", call->surface,
                   "Surface of the plan: the links of a device are kept away from it");
   run->add_option("--arm-config", call->arm.setup,
-                  "Setup of an arm: its pose, links, limits (JSON; docs/probing.md)");
+                  "Setup of an arm: its pose, links, limits (JSON or YAML; docs/probing.md)");
   add_stop_file(*run, call->watch);
   run->add_option("--record", call->watch.record,
                   "Also write all that the arm measured and was commanded, at 1 kHz");

@@ -11,6 +11,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
+#include "palpate/documents/document.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/csv.h"
 #include "palpate/probing/specimen_file.h"
@@ -48,7 +49,7 @@ void write_queries(const fs::path& path, const std::vector<probing::KnownForce>&
 void tell_truth(const Settings& settings, const TruthCall& call) {
   check_outputs({call.specimen}, {call.output / kTruthSurface, call.output / kTruthQueries});
   const auto specimen =
-      probing::parse_specimen(probing::read_specimen_text(call.specimen), call.specimen.string());
+      probing::parse_specimen(documents::read_json_text(call.specimen), call.specimen.string());
   probing::KnownForceOptions options = call.options;
   options.progress = shown_as("computing forces");
   with_names({{"known_forces()", call.specimen.string()}},
@@ -76,7 +77,8 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<TruthCall>();
   CLI::App* command =
       probe.add_subcommand("truth", "Write the surface and known forces of a simulated object");
-  add_required(*command, "SPECIMEN", call->specimen, "Simulated object (JSON; docs/probing.md)");
+  add_required(*command, "SPECIMEN", call->specimen,
+               "Simulated object (JSON or YAML; docs/probing.md)");
   add_required(*command, "-o,--output", call->output, "Folder for surface.ply and queries.csv");
   add_fields(*command, fields_of(call->options));
   command->footer(

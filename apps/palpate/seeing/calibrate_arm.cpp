@@ -14,6 +14,7 @@
 #include "palpate/core/error.h"
 #include "palpate/core/output_file.h"
 #include "palpate/core/quantile.h"
+#include "palpate/documents/document.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
@@ -73,9 +74,9 @@ std::optional<geometry::SeenBall> ball_in(const fs::path& path, const PlacementC
 }
 
 Eigen::Isometry3d read_start(const fs::path& path) {
-  if (path.extension() != ".json") return read_pose(path);
+  if (path.extension() != ".json" && !documents::is_yaml(path)) return read_pose(path);
   const probing::ArmSetup setup =
-      probing::parse_arm_setup(probing::read_arm_setup_text(path), path.string());
+      probing::parse_arm_setup(documents::read_json_text(path), path.string());
   if (!setup.knows_pose) throw FileError(path.string() + ": has no 'pose' to start from");
   return setup.prober.T_world_base;
 }
@@ -116,14 +117,19 @@ void refuse_undetermined(const probing::ArmPlacement& placement, const Measureme
                     (advice.empty() ? "" : ". " + advice));
 }
 
+/// \throws InvalidInput if the setup would be YAML, whose comments would be lost.
 /// \throws FileError if there is a file that is not a setup.
 void check_setup(const fs::path& path) {
+  if (documents::is_yaml(path)) {
+    throw InvalidInput("--output is " + path.string() +
+                       "; the setup is written as JSON, so its name must end in .json");
+  }
   if (fs::exists(path))
-    static_cast<void>(probing::parse_arm_setup(probing::read_arm_setup_text(path), path.string()));
+    static_cast<void>(probing::parse_arm_setup(documents::read_json_text(path), path.string()));
 }
 
 void write_setup(const fs::path& path, const Eigen::Isometry3d& pose) {
-  const std::string before = fs::exists(path) ? probing::read_arm_setup_text(path) : "{}";
+  const std::string before = fs::exists(path) ? documents::read_json_text(path) : "{}";
   const std::string text = probing::with_pose(before, path.string(), pose);
   write_file(path, [&](std::ostream& out) { out << text; });
 }
@@ -262,7 +268,7 @@ void add_calibrate_arm(CLI::App& calibrate, const Settings& settings) {
   CLI::Option* tip_radius = fields.front();
   arm->add_option(
          "--start", call->start,
-         "Rough pose to start from: a setup with `pose` (JSON), or the 12 or 16 numbers of "
+         "Rough pose to start from: a setup with `pose` (JSON or YAML), or the 12 or 16 numbers of "
          "a matrix; without it, all poses are searched")
       ->needs(touches);
   CLI::Option* ball = arm->add_option(

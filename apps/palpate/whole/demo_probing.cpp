@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/documents/document.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
@@ -64,7 +65,7 @@ geometry::ErrorStatistics coefficient_errors(const haptics::Model& model,
 Json demo_probing(const fs::path& data, const fs::path& output) {
   const fs::path folder = output / "probing", store = folder / "acquisition.db";
   const fs::path file = data / "probing/sheet_block.json";
-  const auto specimen = probing::parse_specimen(probing::read_specimen_text(file), file.string());
+  const auto specimen = probing::parse_specimen(documents::read_json_text(file), file.string());
   write_truth(folder / "truth", *specimen);
   const probing::ContactPlan plan = probing::plan_contacts(specimen->surface());
   probing::write_plan(folder / "plan.json", plan);

@@ -293,7 +293,7 @@ void add_plan(CLI::App& app, const Settings& settings) {
   command->add_option("--surface", call->surface,
                       "Mesh of the undeformed object for the project (default: that of the model)");
   command->add_option("--specimen", call->specimen,
-                      "Simulated object that the project probes (JSON; docs/probing.md)");
+                      "Simulated object that the project probes (JSON or YAML; docs/probing.md)");
   command->add_option("--acquisition", call->acquisition,
                       "Store of a campaign that shows how long a contact takes (default: 12 s for "
                       "each trial)");

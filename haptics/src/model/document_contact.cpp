@@ -14,7 +14,8 @@
 namespace palpate::haptics {
 namespace {
 
-using Node = DocumentNode;
+using documents::kLargestDocumentNumber;
+using Node = documents::DocumentNode;
 
 template <std::size_t N>
 std::array<double, N> numbers(const Node& node, const char* right) {
@@ -38,7 +39,7 @@ Multiquadric ridge_of(const Node& node) {
   const auto of = numbers<5>(node, "five numbers: weight, offset, three of the slope");
   const StoredRidge ridge{of[0], of[1], {of[2], of[3], of[4]}};
   // Epsilon is the inverse of the slope's length and must not exceed the largest number.
-  if (!(length_of(ridge.slope) >= 1 / kLargestNumber))
+  if (!(length_of(ridge.slope) >= 1 / kLargestDocumentNumber))
     node.refuse("the last three numbers to be a vector of a length of at least 1e-12");
   return to_ridge(ridge);
 }

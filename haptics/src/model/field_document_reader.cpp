@@ -7,18 +7,20 @@
 #include <utility>
 
 #include "model/document_contact.h"
-#include "model/document_node.h"
 #include "model/field_document.h"
 #include "model/field_document_format.h"
 #include "palpate/core/error.h"
+#include "palpate/documents/document_node.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
 namespace {
 
-using nlohmann::json;
-using Node = DocumentNode;
+using documents::refuse;
+using Document = documents::Document;
+using Node = documents::DocumentNode;
+using json = documents::Json;
 
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
@@ -129,7 +131,7 @@ class Lists {
   }
 
  private:
-  void add_contact(const DocumentPart& part) {
+  void add_contact(const Document& part) {
     const Node node(part);
     ContactModel contact = to_contact(node);
     const auto [other, is_new] = index_of_.emplace(contact.id, contacts_->size());
@@ -140,7 +142,7 @@ class Lists {
     contacts_->push_back(std::move(contact));
   }
 
-  void add_triangle(const DocumentPart& part) {
+  void add_triangle(const Document& part) {
     const std::vector<Node> corners = Node(part).items();
     if (corners.size() != 3) Node(part).refuse("three indices of contacts");
     Eigen::Vector3i& triangle = triangles_->emplace_back();
@@ -185,7 +187,7 @@ class DocumentHandler : public nlohmann::json_sax<json> {
 
   [[nodiscard]] const std::string& error() const { return error_; }
   /// The members other than the lists, or the value found in place of an object.
-  [[nodiscard]] DocumentPart rest() && { return {std::move(rest_), ""}; }
+  [[nodiscard]] Document rest() && { return {std::move(rest_), ""}; }
 
  private:
   // Limits the recursion of the CBOR parser, which calls itself at each level.
@@ -254,7 +256,7 @@ class DocumentHandler : public nlohmann::json_sax<json> {
   std::string error_;
 };
 
-DocumentPart parse(const std::string& bytes, ModelEncoding encoding, Lists& lists) {
+Document parse(const std::string& bytes, ModelEncoding encoding, Lists& lists) {
   const bool is_text = encoding == ModelEncoding::json;
   if (bytes.empty()) throw InvalidInput("the file is empty; expected the model's field document");
   DocumentHandler handler(lists);
@@ -284,7 +286,7 @@ void check_version(const Node& document) {
 
 Model read_field_document(const std::string& bytes, ModelEncoding encoding) {
   Lists lists;
-  const DocumentPart part = parse(bytes, encoding, lists);
+  const Document part = parse(bytes, encoding, lists);
   const Node document(part);
   check_version(document);
   document.at("units").at("length").expect_text("mm");

@@ -7,7 +7,6 @@
 #include <ostream>
 #include <vector>
 
-#include "model/document_node.h"
 #include "model/field_document.h"
 #include "model/field_document_format.h"
 #include "model/stored_form.h"
@@ -22,7 +21,7 @@ using Json = nlohmann::ordered_json;
 // Whole numbers are written without ".0", except -0. A number that the reader would refuse is an
 // error.
 Json to_json(double value) {
-  if (!(std::abs(value) <= kLargestNumber)) {
+  if (!(std::abs(value) <= documents::kLargestDocumentNumber)) {
     throw InvalidInput("field_document(): the model has a number of " + Json(value).dump() +
                        ", or a ridge makes it; the document holds none beyond 1e12");
   }

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <iterator>
 #include <ostream>
 #include <streambuf>
@@ -15,6 +14,7 @@
 #include "model/field_document_format.h"
 #include "model/surface_response_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
 #include "palpate/geometry/mesh_io.h"
 
@@ -78,16 +78,6 @@ geometry::SurfaceWeights read_weights(const fs::path& path, const geometry::Mesh
   return result;
 }
 
-std::string read_bytes(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary | std::ios::ate);
-  const std::streamoff size = in.tellg();
-  if (!in || size < 0) throw FileError(path.string() + ": cannot be read");
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  in.seekg(0).read(bytes.data(), size);
-  if (!in) throw FileError(path.string() + ": cannot be read");
-  return bytes;
-}
-
 Model read_document(const fs::path& folder) {
   std::error_code error;
   fs::path path = folder / kDocument;
@@ -98,7 +88,7 @@ Model read_document(const fs::path& folder) {
                     kBinaryDocument + " in it; expected a model folder");
   }
   try {
-    return read_field_document(read_bytes(path),
+    return read_field_document(read_input_file(path),
                                binary ? ModelEncoding::cbor : ModelEncoding::json);
   } catch (const FileError&) {
     throw;

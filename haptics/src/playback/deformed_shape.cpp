@@ -15,7 +15,7 @@ namespace palpate::haptics {
 namespace {
 
 // Least share of a gap that the corners of a triangle close; on coarser meshes a gap stays.
-constexpr double kLeastShare = 0.25;
+constexpr double kLeastMoveShare = 0.25;
 
 void check(const DrawnShapeOptions& options) {
   require("DrawnShapeOptions::tip", options.tip, at_least(0).finite(), "mm");
@@ -145,7 +145,7 @@ Eigen::Matrix3Xd measured_shape(const geometry::GeodesicSurface& surface,
   const auto closing = [&](Eigen::Index v) { return drawn_dent(distances[v], radius); };
   double share = 0;
   for (int k = 0; k < 3; ++k) share += contact.barycentric[k] * closing(corners[k]);
-  const Eigen::Vector3d move = gap / std::max(share, kLeastShare);
+  const Eigen::Vector3d move = gap / std::max(share, kLeastMoveShare);
   for (Eigen::Index v = 0; v < shape.cols(); ++v) shape.col(v) += closing(v) * move;
   return shape;
 }

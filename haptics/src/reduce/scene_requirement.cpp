@@ -13,9 +13,9 @@
 #include <span>
 #include <string_view>
 
-#include "model/document_file.h"
-#include "model/document_node.h"
 #include "palpate/core/error.h"
+#include "palpate/documents/document.h"
+#include "palpate/documents/document_node.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/trajectory_file.h"
@@ -25,6 +25,7 @@ namespace palpate::haptics {
 namespace {
 
 namespace fs = std::filesystem;
+using documents::DocumentNode;
 using Eigen::Vector3d;
 
 // About what people just notice, relative to the force: see docs/reduce.md.
@@ -194,14 +195,8 @@ SceneRequirement requirement_of_one(const DocumentNode& root, const fs::path& fo
 template <typename Result>
 Result read_scene_document(const fs::path& path,
                            const std::function<Result(const DocumentNode& root)>& read) {
-  const DocumentPart document{read_document_file(path), ""};
-  try {
-    return read(DocumentNode(document));
-  } catch (const FileError&) {
-    throw;
-  } catch (const InvalidInput& wrong) {
-    throw FileError(path.string() + ": " + wrong.what());
-  }
+  const documents::Document document = documents::read_document(path);
+  return documents::in_file(path.string(), [&] { return read(DocumentNode(document)); });
 }
 
 // Distance of successive places, relative to the margin, which is widened by it.

@@ -7,15 +7,13 @@
 #include <cctype>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <span>
 #include <utility>
 
-#include "model/document_fields.h"
-#include "model/document_file.h"
-#include "model/document_node.h"
-#include "palpate/core/error.h"
+#include "palpate/documents/document.h"
+#include "palpate/documents/document_fields.h"
+#include "palpate/documents/document_node.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/trajectory_file.h"
 #include "scene/scene_members.h"
@@ -23,7 +21,7 @@
 namespace palpate::haptics {
 namespace {
 
-using nlohmann::json;
+using documents::DocumentNode;
 
 const std::vector<std::string> kTool{"name", "trajectory"};
 constexpr std::array<const char*, 3> kRules = {"independent", "fade", "refuse"};
@@ -61,9 +59,7 @@ PosePath path_of(const DocumentNode& node, SceneFile& scene, const std::filesyst
   return PosePath({point});
 }
 
-SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
-  const DocumentPart part{document, ""};
-  const DocumentNode root(part);
+SceneFile scene_of(const DocumentNode& root, const std::filesystem::path& folder) {
   SceneFile scene;
   root.expect_only(kSceneMembers);
   if (const auto rule = root.find("near_tools"))
@@ -87,7 +83,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
     scene.motion.objects.push_back(path_of(objects[i], scene, folder));
     scene.playback.emplace_back();
     if (const auto playback = objects[i].find("playback"))
-      read_fields(*playback, fields_of(scene.playback.back()));
+      documents::read_fields(*playback, fields_of(scene.playback.back()));
   }
   for (std::size_t i = 0; i < tools.size(); ++i) {
     tools[i].expect_only(kTool);
@@ -108,17 +104,13 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
 }  // namespace
 
 SceneFile read_scene(const std::filesystem::path& path) {
-  const json document = read_document_file(path);
-  try {
-    SceneFile scene = scene_of(document, path.parent_path());
+  const documents::Document document = documents::read_document(path);
+  return documents::in_file(path.string(), [&] {
+    SceneFile scene = scene_of(DocumentNode(document), path.parent_path());
     scene.sources.push_back(path);
     static_cast<void>(tick_count(scene.motion));
     return scene;
-  } catch (const FileError&) {
-    throw;
-  } catch (const InvalidInput& wrong) {
-    throw FileError(path.string() + ": " + wrong.what());
-  }
+  });
 }
 
 Scene make_scene(const SceneFile& file,

@@ -2,17 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/acquisition_mapping.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -20,14 +13,19 @@
 #include "import/series_fields.h"
 #include "import/wrong_mapping.h"
 #include "palpate/core/error.h"
-#include "palpate/core/field_text.h"
 #include "palpate/core/idle_fields.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/require.h"
+#include "palpate/documents/document.h"
+#include "palpate/documents/document_fields.h"
+#include "palpate/documents/document_node.h"
 #include "palpate/geometry/mesh_io.h"
 
 namespace palpate::probing {
 namespace {
 
+using documents::DocumentMembers;
+using documents::DocumentNode;
 using NamedUnit = std::pair<std::string_view, double>;
 
 template <std::size_t Size>
@@ -48,15 +46,17 @@ bool is_known_column(const std::string& name) {
          name == std::string(kSamplesPrefix) + "id";
 }
 
+void check_column(const std::string& column) {
+  if (is_known_column(column)) return;
+  throw wrong_mapping("columns",
+                      "there is no column '" + column +
+                          "' to be read; the columns are those of contacts (id,x,y,z,nx,ny,nz) and "
+                          "of samples (id,contact,group_id,px,py,pz,ax,ay,az,bx,by,bz,"
+                          "on_friction_boundary,slipped,range_map,time,depth,normal_force)");
+}
+
 void check_names(const ColumnNames& columns) {
-  for (const auto& [column, name] : columns) {
-    if (is_known_column(column)) continue;
-    throw wrong_mapping(
-        "columns", "there is no column '" + column +
-                       "' to be read; the columns are those of contacts (id,x,y,z,nx,ny,nz) and of "
-                       "samples (id,contact,group_id,px,py,pz,ax,ay,az,bx,by,bz,"
-                       "on_friction_boundary,slipped,range_map,time,depth,normal_force)");
-  }
+  for (const auto& [column, name] : columns) check_column(column);
   const auto exclude = [&](std::string_view scalar, std::initializer_list<const char*> vectors) {
     if (!columns.contains(scalar)) return;
     for (const char* const column : vectors) {
@@ -69,93 +69,21 @@ void check_names(const ColumnNames& columns) {
   exclude(kNormalForceColumn, {"px", "py", "pz"});
 }
 
-/// Places in a mapping file, and what is wrong there.
-class MappingPage {
- public:
-  explicit MappingPage(std::string path) : path_(std::move(path)) {}
-
-  [[noreturn]] void refuse(const YAML::Node& at, const std::string& what) const {
-    throw FileError(path_ + ": line " + std::to_string(at.Mark().line + 1) + ": " + what);
-  }
-
-  /// Runs `read`; what it refuses gets its place.
-  template <typename Read>
-  auto at(const YAML::Node& node, const std::string& name, Read&& read) const {
-    try {
-      return read();
-    } catch (const FileError&) {
-      throw;
-    } catch (const InvalidInput& wrong) {
-      refuse(node, name + ": " + wrong.what());
-    }
-  }
-
-  [[nodiscard]] std::string text(const YAML::Node& node, const std::string& name) const {
-    if (node.IsNull()) return {};
-    if (!node.IsScalar()) refuse(node, "'" + name + "' has parts; it must be one word or number");
-    return node.Scalar();
-  }
-
-  [[nodiscard]] double number(const YAML::Node& node, const std::string& name) const {
-    const std::string found = text(node, name);
-    double value = 0;
-    const auto [end, error] = std::from_chars(found.data(), found.data() + found.size(), value);
-    if (error != std::errc{} || end != found.data() + found.size() || !std::isfinite(value))
-      refuse(node, "'" + name + "' is '" + found + "'; it must be a finite number such as 0.5");
-    return value;
-  }
-
-  [[nodiscard]] Eigen::Vector3d vector(const YAML::Node& node, const std::string& name) const {
-    if (!node.IsSequence() || node.size() != 3)
-      refuse(node, "'" + name + "' must be three numbers such as [0, 0, 1]");
-    return {number(node[0], name), number(node[1], name), number(node[2], name)};
-  }
-
-  using Keys = std::vector<std::pair<std::string, std::function<void(const YAML::Node&)>>>;
-  /// Passes each value of a map to the function of its key.
-  void read(const YAML::Node& map, const std::string& what, const Keys& keys) const {
-    std::string known;
-    for (const auto& [key, take] : keys) known += (known.empty() ? "" : ", ") + key;
-    if (!map.IsMap()) refuse(map, what + " must have keys with values; the keys are " + known);
-    std::set<std::string> seen;
-    for (const auto& entry : map) {
-      const std::string key = text(entry.first, "key");
-      const auto found = std::ranges::find(keys, key, [](const auto& each) { return each.first; });
-      if (found == keys.end()) refuse_unknown(entry.first, key, what, known);
-      if (!seen.insert(key).second) refuse(entry.first, "'" + key + "' is there twice; keep one");
-      found->second(entry.second);
-    }
-  }
-
- private:
-  [[noreturn]] void refuse_unknown(const YAML::Node& at, const std::string& key,
-                                   const std::string& what, const std::string& known) const {
-    refuse(at, "'" + key + "' is unknown; " + what + " has " + known);
-  }
-
-  std::string path_;
-};
-
-/// The rotation that is nearest to a matrix of few digits.
-Eigen::Matrix3d read_rotation(const MappingPage& page, const YAML::Node& node) {
-  if (!node.IsSequence() || node.size() != 3) {
-    page.refuse(node, "'rotation' must be three rows such as [[1, 0, 0], [0, 1, 0], [0, 0, 1]]");
-  }
-  Eigen::Matrix3d matrix;
-  for (Eigen::Index row = 0; row < 3; ++row)
-    matrix.row(row) = page.vector(node[row], "rotation").transpose();
+// The rotation that is nearest to a matrix of few digits.
+Eigen::Matrix3d rotation_of(const DocumentNode& node) {
+  const Eigen::Matrix3d matrix = node.rows();
   // Three printed digits.
   constexpr double kRotationTolerance = 2e-3;
   const double error =
       (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kRotationTolerance)) {
-    page.refuse(node, "'rotation' has rows that are not perpendicular unit vectors (by " +
-                          std::to_string(error) + "); it must be a rotation matrix, without scale");
+    node.fail("the rows are not perpendicular unit vectors (by " + std::to_string(error) +
+              "); they must be a rotation matrix, without scale");
   }
   if (matrix.determinant() < 0) {
-    page.refuse(node,
-                "'rotation' is a reflection; it must be a rotation, whose rows are right-handed. "
-                "For files with a left-handed frame, negate a column: y: -Y, py: -Fy, ...");
+    node.fail(
+        "the rows are a reflection; they must be a rotation, which is right-handed. For files with "
+        "a left-handed frame, negate a column: y: -Y, py: -Fy, ...");
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
@@ -164,107 +92,58 @@ Eigen::Matrix3d read_rotation(const MappingPage& page, const YAML::Node& node) {
   return error <= kRounding ? matrix : nearest;
 }
 
-Eigen::Isometry3d read_frame(const MappingPage& page, const YAML::Node& node) {
+Eigen::Isometry3d frame_of(const DocumentNode& node) {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-  page.read(node, "frame",
-            {{"rotation", [&](const auto& value) { frame.linear() = read_rotation(page, value); }},
-             {"translation", [&](const auto& value) {
-                frame.translation() = page.vector(value, "translation");
-              }}});
+  DocumentMembers members(node);
+  if (const auto rotation = members.find("rotation")) frame.linear() = rotation_of(*rotation);
+  if (const auto translation = members.find("translation"))
+    frame.translation() = translation->vector();
+  members.end();
   return frame;
 }
 
-void read_columns(const MappingPage& page, const YAML::Node& node, ColumnNames& columns) {
-  if (!node.IsMap()) page.refuse(node, "'columns' must give names to columns, such as px: Fx");
-  for (const auto& entry : node) {
-    const std::string column = page.text(entry.first, "columns");
-    if (!is_known_column(column)) {
-      page.refuse(entry.first,
-                  "there is no column '" + column +
-                      "' to be read; the columns are those of contacts (id,x,y,z,nx,ny,nz) and of "
-                      "samples (id,contact,group_id,px,py,pz,ax,ay,az,bx,by,bz,"
-                      "on_friction_boundary,slipped,range_map,time,depth,normal_force)");
-    }
-    if (!columns.emplace(column, page.text(entry.second, column)).second)
-      page.refuse(entry.first, "'" + column + "' is there twice; keep one");
-  }
+ColumnNames columns_of(const DocumentNode& node) {
+  ColumnNames columns;
+  node.for_each_member([&](const std::string& column, const DocumentNode& name) {
+    name.checked([&] { check_column(column); });
+    columns[column] = name.word();
+  });
+  return columns;
 }
 
-void read_units(const MappingPage& page, const YAML::Node& node, AcquisitionMapping& mapping) {
-  const auto unit = [&](const YAML::Node& at, const char* name, auto&& size_of) {
-    return page.at(at, name, [&] { return size_of(page.text(at, name)); });
+void take_units(const DocumentNode& node, AcquisitionMapping& mapping) {
+  DocumentMembers members(node);
+  const auto take = [&](const char* name, double& unit, auto&& size_of) {
+    if (const auto found = members.find(name))
+      unit = found->checked([&] { return size_of(found->word()); });
   };
-  page.read(node, "units",
-            {{"length",
-              [&](const YAML::Node& at) {
-                mapping.length = unit(at, "length",
-                                      [](const auto& name) { return geometry::unit_length(name); });
-              }},
-             {"force",
-              [&](const YAML::Node& at) {
-                mapping.force =
-                    unit(at, "force", [](const auto& name) { return unit_force(name); });
-              }},
-             {"time", [&](const YAML::Node& at) {
-                mapping.time = unit(at, "time", [](const auto& name) { return unit_time(name); });
-              }}});
+  take("length", mapping.length, [](const auto& name) { return geometry::unit_length(name); });
+  take("force", mapping.force, [](const auto& name) { return unit_force(name); });
+  take("time", mapping.time, [](const auto& name) { return unit_time(name); });
+  members.end();
 }
 
-void read_series(const MappingPage& page, const YAML::Node& node, SeriesOptions& series) {
-  MappingPage::Keys keys = {{"tare", [&](const auto& value) {
-                               const std::string word = page.text(value, "tare");
-                               if (word != "true" && word != "false")
-                                 page.refuse(value,
-                                             "'tare' is '" + word + "'; it must be true or false");
-                               series.tare = word == "true";
-                             }}};
-  for (const SeriesField& field : kSeriesFields) {
-    keys.emplace_back(field.name, [&page, &series, &field](const YAML::Node& value) {
-      const double number = page.number(value, field.name);
-      page.at(value, "time_series", [&] {
-        require(std::string("'") + field.name + "'", number, field.range, field.unit);
-        return 0;
-      });
-      series.*field.field = number;
-    });
-  }
-  page.read(node, "time_series", keys);
+void take_series(const DocumentNode& node, SeriesOptions& series) {
+  DocumentMembers members(node);
+  members.take("tare", series.tare);
+  for (const SeriesField& field : kSeriesFields)
+    members.take(field.name, series.*field.field, field.range, field.unit);
+  members.end();
 }
 
-void read_page(const MappingPage& page, const YAML::Node& root, AcquisitionMapping& mapping) {
-  MappingPage::Keys keys = {
-      {"columns", [&](const auto& node) { read_columns(page, node, mapping.columns); }},
-      {"separator",
-       [&](const auto& node) {
-         mapping.separator = page.at(node, "separator",
-                                     [&] { return separator_from(page.text(node, "separator")); });
-       }},
-      {"units", [&](const auto& node) { read_units(page, node, mapping); }},
-      {"weight", [&](const auto& node) { mapping.weight = page.vector(node, "weight"); }},
-      {"frame", [&](const auto& node) { mapping.T_surface_file = read_frame(page, node); }},
-      {"time_series", [&](const auto& node) { read_series(page, node, mapping.series); }}};
-  for (const FieldText& field : texts_of(fields_of(mapping))) {
-    keys.emplace_back(field.name, [&, name = field.name](const YAML::Node& node) {
-      try {
-        assign(fields_of(mapping), name, page.text(node, name));
-      } catch (const FileError&) {
-        throw;
-      } catch (const InvalidInput& wrong) {
-        page.refuse(node, wrong.with_names([&](const auto&) { return "'" + name + "'"; }));
-      }
-    });
-  }
-  page.read(root, "a mapping", keys);
-}
-
-std::string mapping_text(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    throw FileError(path.string() + ": there is no such file; expected a mapping file (YAML)");
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file.good() && !file.eof()) throw FileError(path.string() + ": cannot be read");
-  return text;
+AcquisitionMapping mapping_of(const DocumentNode& root) {
+  AcquisitionMapping mapping;
+  DocumentMembers members(root);
+  if (const auto columns = members.find("columns")) mapping.columns = columns_of(*columns);
+  if (const auto separator = members.find("separator"))
+    mapping.separator = separator->checked([&] { return separator_from(separator->word()); });
+  if (const auto units = members.find("units")) take_units(*units, mapping);
+  members.take("weight", mapping.weight);
+  if (const auto frame = members.find("frame")) mapping.T_surface_file = frame_of(*frame);
+  if (const auto series = members.find("time_series")) take_series(*series, mapping.series);
+  documents::take_fields(members, fields_of(mapping));
+  members.end();
+  return mapping;
 }
 
 }  // namespace
@@ -351,28 +230,16 @@ void check_mapping(const AcquisitionMapping& mapping) {
 }
 
 AcquisitionMapping read_mapping(const std::filesystem::path& path) {
-  const std::string text = mapping_text(path);
-  const MappingPage page(path.string());
-  AcquisitionMapping mapping;
-  try {
-    const YAML::Node root = YAML::Load(text);
-    if (root.IsNull()) {
-      throw FileError(path.string() +
-                      ": the file is empty; it must say what differs, such as columns: {px: Fx}");
-    }
-    read_page(page, root, mapping);
-  } catch (const YAML::Exception& error) {
-    throw FileError(path.string() + ": line " + std::to_string(error.mark.line + 1) +
-                    ": is not YAML (" + error.msg + "); a mapping has lines such as px: Fx");
+  const documents::Document document = documents::parse_yaml(read_input_file(path), path.string());
+  if (document.value.is_null()) {
+    throw FileError(path.string() +
+                    ": is empty; it must say what differs, such as columns: {px: Fx}");
   }
-  try {
+  return documents::in_file(path.string(), [&] {
+    AcquisitionMapping mapping = mapping_of(DocumentNode(document));
     check_mapping(mapping);
-  } catch (const FileError&) {
-    throw;
-  } catch (const InvalidInput& wrong) {
-    throw FileError(path.string() + ": " + wrong.what());
-  }
-  return mapping;
+    return mapping;
+  });
 }
 
 }  // namespace palpate::probing

@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
 #include "palpate/probing/contact_plan.h"
 
@@ -121,10 +120,7 @@ ContactPlan parse_plan(const std::string& text, const std::string& source) {
 }
 
 ContactPlan read_plan(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (text.empty()) throw FileError(path.string() + ": cannot be read, or is empty; pass a plan");
-  return parse_plan(text, path.string());
+  return parse_plan(read_input_file(path), path.string());
 }
 
 void write_plan(const std::filesystem::path& path, const ContactPlan& plan) {

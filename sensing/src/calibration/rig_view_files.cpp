@@ -14,6 +14,7 @@
 #include "files/storage_file.h"
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
+#include "palpate/core/input_file.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/gray_code.h"
 
@@ -34,8 +35,8 @@ bool is_view_image(const fs::path& path) {
 
 /// Reads a grey image, 8 or 16 bit, of the same size as all images so far.
 cv::Mat read_view_image(const fs::path& path, ImageSize& size) {
-  cv::Mat image =
-      is_jpeg(path) ? decode_image(path, read_bytes(path), cv::IMREAD_GRAYSCALE) : read_frame(path);
+  cv::Mat image = is_jpeg(path) ? decode_image(path, read_input_file(path), cv::IMREAD_GRAYSCALE)
+                                : read_frame(path);
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
   if (size.width == 0) size = {image.cols, image.rows};
   if (image.cols != size.width || image.rows != size.height) {

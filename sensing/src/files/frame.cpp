@@ -13,6 +13,7 @@
 #include "image/image_plane.h"
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
 
 namespace palpate::sensing {
@@ -52,7 +53,7 @@ cv::Mat read_png(const std::filesystem::path& path, const std::string& bytes) {
 }  // namespace
 
 cv::Mat read_frame(const std::filesystem::path& path) {
-  const std::string bytes = read_bytes(path);
+  const std::string bytes = read_input_file(path);
   check_bytes(path, bytes);
   if (image_format(bytes) == ImageFormat::png) return read_png(path, bytes);
   // Ignore the orientation: the camera's pixels stay where the lens puts them.
@@ -73,7 +74,7 @@ bool has_frame_name(const std::filesystem::path& path) {
 }
 
 bool has_losses(const std::filesystem::path& path) {
-  const std::string bytes = read_bytes(path);
+  const std::string bytes = read_input_file(path);
   const ImageFormat format = image_format(bytes);
   return format == ImageFormat::jpeg || (format == ImageFormat::webp && is_lossy_webp(bytes));
 }

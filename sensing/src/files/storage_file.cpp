@@ -3,24 +3,23 @@
 #include "files/storage_file.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
+#include "palpate/documents/document.h"
 
 namespace palpate::sensing {
 namespace {
@@ -53,34 +52,6 @@ std::string printable(std::string text) {
       text.begin(), text.end(),
       [](char c) { return std::isprint(static_cast<unsigned char>(c)) == 0; }, '?');
   return text;
-}
-
-/// Finds the line at which a document begins, and ignores everything else.
-struct DocumentStart : YAML::EventHandler {
-  void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line + 1; }
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                  YAML::EmitterStyle::value) override {}
-  void OnMapEnd() override {}
-
-  int line = 0;  ///< from 1
-};
-
-/// The line at which a second document begins. YAML::LoadAll() would find documents without end in
-/// some damaged files.
-std::optional<int> second_document(const std::string& text) {
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  DocumentStart start;
-  const bool second = parser.HandleNextDocument(start) && parser.HandleNextDocument(start);
-  return second ? std::optional(start.line) : std::nullopt;
 }
 
 /// Refuses a key that occurs twice: only the first would be read.
@@ -124,7 +95,7 @@ YAML::Node parse(const std::filesystem::path& path, const std::string& bytes) {
   YAML::Node root = first_document(path, text, kind, expected);
   std::optional<int> second;
   try {
-    second = second_document(text);
+    second = documents::second_yaml_document(text);
   } catch (const YAML::Exception& error) {
     throw FileError(path.string() + ": " + line_of(error) + "not " + kind + " (" +
                     printable(error.msg) + "); " + expected);
@@ -174,24 +145,8 @@ QuietOpenCv::~QuietOpenCv() {
   if (--shared.wanted_by == 0) cv::utils::logging::setLogLevel(shared.before);
 }
 
-std::string read_bytes(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  const auto fail = [&](const char* what) { throw FileError(path.string() + ": " + what); };
-  if (!std::filesystem::exists(status)) fail("no such file");
-  if (std::filesystem::is_directory(status)) fail("is a folder; expected a file");
-  const bool is_file = std::filesystem::is_regular_file(status);
-  if (!is_file && !std::filesystem::is_fifo(status)) fail("is neither a file nor a pipe");
-  if (is_file && std::filesystem::file_size(path, error) == 0 && !error) fail("the file is empty");
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream bytes;
-  // Fails if it cannot be opened, is truncated, or nothing comes through a pipe.
-  if (!stream || !(bytes << stream.rdbuf())) fail("cannot be read");
-  return std::move(bytes).str();
-}
-
 StorageFile::StorageFile(std::filesystem::path path)
-    : path_(std::move(path)), root_(parse(path_, read_bytes(path_))) {}
+    : path_(std::move(path)), root_(parse(path_, read_input_file(path_))) {}
 
 StorageFile::StorageFile(std::filesystem::path path, const std::string& bytes)
     : path_(std::move(path)), root_(parse(path_, bytes)) {}

@@ -11,10 +11,6 @@
 
 namespace palpate::sensing {
 
-/// The bytes of a file.
-/// \throws FileError if it is missing, neither a file nor a pipe, or empty.
-[[nodiscard]] std::string read_bytes(const std::filesystem::path& path);
-
 /// Prevents OpenCV from writing to the terminal while an object of this type exists in any thread.
 /// OpenCV has one log level per process, which is restored with the last object.
 class QuietOpenCv {

@@ -16,6 +16,7 @@
 
 #include "files/storage_file.h"
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/core/output_file.h"
 #include "palpate/core/require.h"
 #include "setup/lens_entry.h"
@@ -288,7 +289,7 @@ const KnownKey* known_key(const StorageFile& file) {
 }
 
 CameraFile read_any(const std::filesystem::path& path) {
-  const std::string bytes = read_bytes(path);
+  const std::string bytes = read_input_file(path);
   const StorageFile file(path, bytes, kExpected);
   const KnownKey* const known = known_key(file);
   if (known == nullptr) file.fail("camera_size", std::string("is missing; ") + kExpected);
@@ -306,7 +307,7 @@ std::string_view name(CameraFileFormat format) {
 }
 
 bool is_camera_file(const std::filesystem::path& path) {
-  const StorageFile file(path, read_bytes(path),
+  const StorageFile file(path, read_input_file(path),
                          "write `key: value` in each line, or a JSON object");
   return known_key(file) != nullptr;
 }

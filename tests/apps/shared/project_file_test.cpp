@@ -68,9 +68,9 @@ TEST_F(ProjectFile, IsRefusedWithTheLineAndTheReason) {
       {"- mesh\n", "line 1", "expected sections"},
       {"fit:\nmesh: [a, b]\n", "line 2", "mesh: expected entries"},
       {"fit:\nmesh: a\n", "line 2", "mesh: expected entries"},
-      {"fit:\nmesh:\nfit:\n", "line 3", "fit: is there twice, also in line 1"},
-      {"mesh:\n  range: a\n  range: b\n", "line 3", "range: is there twice, also in line 2"},
-      {"output: a\noutput: b\n", "line 2", "output: is there twice"},
+      {"fit:\nmesh:\nfit:\n", "line 3", "'fit' is there twice, also in line 1"},
+      {"mesh:\n  range: a\n  range: b\n", "line 3", "'range' is there twice, also in line 2"},
+      {"output: a\noutput: b\n", "line 2", "'output' is there twice"},
       {"output: [a]\n", "line 1", "output: has no value, or one with parts"},
       {"mesh: {range: {a: b}}\n", "line 1", "range: has entries of its own"},
       {"mesh: {range: [a, [b]]}\n", "line 1", "range: has no value, or one with parts"},
@@ -79,9 +79,9 @@ TEST_F(ProjectFile, IsRefusedWithTheLineAndTheReason) {
       {"mesh: {range: }\n", "line 1", "range: has no value"},
       {"mesh: {range: ''}\n", "line 1", "range: has no value"},
       {"mesh: {range: \"a\\0b\"}\n", "line 1", "a character with the code 0"},
-      {"mesh: {[a]: b}\n", "line 1", "mesh: has no value, or one with parts"},
-      {"mesh: {range: &a [*a]}\n", "line 1", "range: "},
-      {"mesh:\n---\nfit:\n", "line 3", "a second document begins"},
+      {"mesh: {[a]: b}\n", "line 1", "a name has parts; expected one word"},
+      {"mesh: {range: &a [*a]}\n", "line 1", "nested more than 32 levels"},
+      {"mesh:\n---\nfit:\n", "line 2", "a second document begins"},
   };
   for (const Case& one : cases) {
     const std::string said = refusal(one.text);

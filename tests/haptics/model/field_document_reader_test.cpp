@@ -47,18 +47,18 @@ TEST(FieldDocumentReader, NamesThePlaceAndWhatIsRight) {
   EXPECT_THAT(refused_document([](json& d) {
                 d = json::array({1, 2});
               }),
-              AllOf(HasSubstr("at the top: found an array of 2"), HasSubstr("an object")));
+              AllOf(HasSubstr("at the top: found ["), HasSubstr("an object")));
   EXPECT_THAT(refused_document([](json& d) { d = 7; }), HasSubstr("at the top: found 7"));
   EXPECT_THAT(refused_document([](json& d) { d.erase("triangles"); }),
               HasSubstr("an object with the member \"triangles\""));
   EXPECT_THAT(refused_document([](json& d) {
                 d["contacts"] = {{"1", 2}};
               }),
-              AllOf(HasSubstr("/contacts: found an object of 1"), HasSubstr("an array")));
+              AllOf(HasSubstr("/contacts: found {"), HasSubstr("an array")));
   EXPECT_THAT(refused_document([](json& d) {
                 d["contacts"][2] = {1, {2}};
               }),
-              AllOf(HasSubstr("/contacts/2: found an array of 2"), HasSubstr("an object")));
+              AllOf(HasSubstr("/contacts/2: found ["), HasSubstr("an object")));
   EXPECT_THAT(refused_document([](json& d) { d["triangles"][1] = 5; }),
               AllOf(HasSubstr("/triangles/1: found 5"), HasSubstr("an array")));
   EXPECT_THAT(

@@ -63,17 +63,17 @@ TEST_F(SceneRequirementTest, ReadsQuantitiesWithTheirUnits) {
 
 TEST_F(SceneRequirementTest, RefusesWhatCannotBe) {
   EXPECT_THAT(refused("      force_error: 0.2\n"),
-              AllOf(HasSubstr("scene.yaml: at /objects/0/require/force_error: found 0.2"),
+              AllOf(HasSubstr("scene.yaml: line 5, at /objects/0/require/force_error: found 0.2"),
                     HasSubstr("such as \"0.2 N\"")));
   EXPECT_THAT(refused("      force_error: 0.2 mm\n"), HasSubstr("such as \"0.2 N\""));
   EXPECT_THAT(refused("      surface_error: -1 mm\n"), HasSubstr("a number > 0 with its unit"));
   EXPECT_THAT(refused("      size: 1e999 kB\n"),
               HasSubstr("a number > 0 with its unit (kB, B, MB, GB)"));
   EXPECT_THAT(refused("      forces_error: 1 N\n"),
-              AllOf(HasSubstr("/objects/0/require: found the member 'forces_error'"),
+              AllOf(HasSubstr("at /objects/0/require/forces_error: 'forces_error' is unknown"),
                     HasSubstr("force_error")));
   EXPECT_THAT(refused("      slip: true\n    region: {box: [0, 0, 0, 1, 1, 1]}\n"),
-              HasSubstr("/objects/0: found the member 'region'"));
+              HasSubstr("line 6, at /objects/0/region: 'region' is unknown"));
   EXPECT_THAT(refused("      region: {margin: 2 mm}\n"), HasSubstr("'path' beside it"));
   EXPECT_THAT(refused("      region: {path: path.csv}\n"), HasSubstr("'margin' beside it"));
   EXPECT_THAT(refused("      region: {}\n"), HasSubstr("'box', 'side' or 'path'"));

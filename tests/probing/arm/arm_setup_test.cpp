@@ -49,15 +49,16 @@ TEST(ArmSetup, NamesTheMemberThatIsWrong) {
     return refusal([&] { return parse_arm_setup(text, "arm.json"); });
   };
   EXPECT_EQ(refused(R"({"structure": 0})"),
-            "arm.json: 'structure' is 0; it must be a number > 0 and finite N/mm");
+            "arm.json: at /structure: found 0, expected a number > 0 and finite [N/mm]");
   EXPECT_EQ(refused(R"({"calibration": {"angles": 2}})"),
-            "arm.json: 'calibration.angles' is 2; it must be a whole number >= 3");
-  EXPECT_NE(refused(R"({"limits": {"velocity": 3}})").find("'limits.velocity' is unknown"),
-            std::string::npos);
+            "arm.json: at /calibration/angles: found 2, expected a whole number >= 3");
+  EXPECT_NE(
+      refused(R"({"limits": {"velocity": 3}})").find("at /limits/velocity: 'velocity' is unknown"),
+      std::string::npos);
   EXPECT_NE(refused(R"({"pose": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0]]})").find("a rotation"),
             std::string::npos);
-  EXPECT_NE(refused("[1]").find("is not a JSON object"), std::string::npos);
-  EXPECT_NE(refused(R"({"calibration": 5})").find("a JSON object"), std::string::npos);
+  EXPECT_NE(refused("[1]").find("expected an object"), std::string::npos);
+  EXPECT_NE(refused(R"({"calibration": 5})").find("expected an object"), std::string::npos);
 }
 
 TEST(ArmSetup, AMountedArmStandsUprightOverTheSurfaceAndSweepsAboveIt) {
@@ -104,8 +105,8 @@ TEST(ArmSetup, TakesAnotherPoseAndKeepsAllElse) {
   EXPECT_EQ(changed.find("structure"), 2U);  // the members stay in their order
   EXPECT_TRUE(parse_arm_setup(with_pose("{}", "arm.json", pose), "arm.json").knows_pose);
   EXPECT_EQ(refusal([&] { (void)with_pose("[1]", "arm.json", pose); }).substr(0, 8), "arm.json");
-  EXPECT_EQ(refusal([&] { (void)with_pose(R"({"pole": 1})", "arm.json", pose); }).substr(0, 16),
-            "arm.json: 'pole'");
+  EXPECT_EQ(refusal([&] { (void)with_pose(R"({"pole": 1})", "arm.json", pose); }).substr(0, 18),
+            "arm.json: at /pole");
 }
 
 }  // namespace

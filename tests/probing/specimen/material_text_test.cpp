@@ -51,7 +51,7 @@ TEST(MaterialText, RefusesDamagedPressesAndOtherRegions) {
   EXPECT_THAT(refusal([&] { return with_material(kStretchedBlock, "a.json", object, {}); }),
               ::testing::HasSubstr("1 regions, the text 2"));
   EXPECT_THAT(refusal([] { return parse_finite_elements(R"({"type": "sheet"})", "d.json"); }),
-              ::testing::HasSubstr("must be of the type finite_elements"));
+              ::testing::HasSubstr(R"(at /type: found "sheet", expected "finite_elements")"));
 }
 
 }  // namespace

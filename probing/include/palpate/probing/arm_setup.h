@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -33,9 +32,6 @@ struct ArmSetup {
 /// \param source names the text in messages.
 /// \throws FileError naming the member, what is wrong with it, and what would be right.
 [[nodiscard]] ArmSetup parse_arm_setup(const std::string& text, const std::string& source);
-
-/// The text of such a file. \throws FileError if it cannot be read.
-[[nodiscard]] std::string read_arm_setup_text(const std::filesystem::path& path);
 
 /// The text of a setup with another pose; all other members stay as they are.
 /// \throws FileError if `text` is no setup.

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -26,9 +25,5 @@ namespace palpate::probing {
 /// \throws FileError as `parse_specimen` does, and if the type is another one.
 [[nodiscard]] FiniteElementObject parse_finite_elements(const std::string& text,
                                                         const std::string& source);
-
-/// The text of such a file.
-/// \throws FileError if it cannot be read.
-[[nodiscard]] std::string read_specimen_text(const std::filesystem::path& path);
 
 }  // namespace palpate::probing

@@ -1,17 +1,15 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "model/document_fields.h"
+#include "palpate/documents/document_fields.h"
 
 #include <utility>
 
-namespace palpate::haptics {
+namespace palpate::documents {
 namespace {
 
 class DocumentReader : public FieldVisitor {
  public:
-  explicit DocumentReader(const DocumentNode& node) : node_(node) {}
-
-  std::vector<std::string> names;
+  explicit DocumentReader(DocumentMembers& members) : members_(members) {}
 
   void begin(std::string_view /*type*/) override {}
 
@@ -19,17 +17,12 @@ class DocumentReader : public FieldVisitor {
   void on_real(const Field& field, const NumberField<double>& value) override {
     const auto member = find(field);
     if (!member) return;
-    const double number = member->number();
-    if (!value.range.contains(number)) member->refuse("a number " + to_string(value.range));
-    value.set(number);
+    value.set(member->number(value.range, field.unit));
   }
   void on_whole(const Field& field, const NumberField<int>& value) override {
     const auto member = find(field);
     if (!member) return;
-    const long long number = member->integer();
-    if (!std::in_range<int>(number) || !value.range.contains(static_cast<double>(number)))
-      member->refuse("a whole number " + to_string(value.range));
-    value.set(static_cast<int>(number));
+    value.set(member->integer(value.range));
   }
   void on_flag(const Field& field, bool /*value*/, const std::function<void(bool)>& set) override {
     if (const auto member = find(field)) set(member->truth());
@@ -54,19 +47,23 @@ class DocumentReader : public FieldVisitor {
   }
 
   std::optional<DocumentNode> find(const Field& field) {
-    names.emplace_back(field.name);
-    return node_.find(names.back().c_str());
+    return members_.find(std::string(field.name).c_str());
   }
 
-  const DocumentNode& node_;
+  DocumentMembers& members_;
 };
 
 }  // namespace
 
-void read_fields(const DocumentNode& node, const FieldList& fields) {
-  DocumentReader reader(node);
+void take_fields(DocumentMembers& members, const FieldList& fields) {
+  DocumentReader reader(members);
   fields(reader);
-  node.expect_only(reader.names);
 }
 
-}  // namespace palpate::haptics
+void read_fields(const DocumentNode& node, const FieldList& fields) {
+  DocumentMembers members(node);
+  take_fields(members, fields);
+  members.end();
+}
+
+}  // namespace palpate::documents

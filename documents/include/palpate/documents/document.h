@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+namespace palpate::documents {
+
+/// Members keep the order that they have in the text.
+using Json = nlohmann::ordered_json;
+
+/// Where a value or member of a text stands, and how a word or number is written there: "0.50".
+struct DocumentPlace {
+  int line = 0;  ///< from 1; of a member, the line of its name
+  std::string text;
+};
+
+/// A document in JSON or YAML, or a part of one.
+struct Document {
+  Json value;
+  std::string pointer;  ///< JSON pointer (RFC 6901) to `value` in the whole document
+  /// By JSON pointer; empty for JSON, whose parser does not tell them.
+  std::map<std::string, DocumentPlace, std::less<>> places = {};
+};
+
+/// Parses a text in YAML. Words without quotes that JSON reads as a number, true, false or null are
+/// these, and all other words are texts.
+/// \param source names the text in messages.
+/// \throws FileError with the line if the text is not one document in YAML, has a member twice, or
+/// is nested more than 32 levels deep.
+[[nodiscard]] Document parse_yaml(const std::string& text, const std::string& source);
+
+/// The line, from 1, at which a second document begins in a text in YAML.
+/// \throws YAML::Exception of yaml-cpp if the text is not YAML.
+[[nodiscard]] std::optional<int> second_yaml_document(const std::string& text);
+
+/// Parses a text in JSON.
+/// \throws FileError naming `source` if the text is not JSON or has a member twice.
+[[nodiscard]] Document parse_json(const std::string& text, const std::string& source);
+
+/// Whether a name ends in .yaml or .yml.
+[[nodiscard]] bool is_yaml(const std::filesystem::path& path);
+
+/// Reads a file that people write: YAML if `is_yaml`, JSON otherwise.
+/// \throws FileError also if the file is missing, empty or unreadable.
+[[nodiscard]] Document read_document(const std::filesystem::path& path);
+
+/// The text of such a file in JSON; that of a JSON file as it is.
+/// \throws FileError as `read_document`.
+[[nodiscard]] std::string read_json_text(const std::filesystem::path& path);
+
+}  // namespace palpate::documents
