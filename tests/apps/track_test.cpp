@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <opencv2/core/mat.hpp>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "mesh_corpus.h"
@@ -191,6 +193,32 @@ TEST_F(Track, VerticesFollowTheirMaterialPointsAndTrianglesStay) {
   }
   const Eigen::Matrix3Xd way = true_mesh(kFrames - 1).vertices - rest.vertices;
   EXPECT_GT(std::sqrt(way.colwise().squaredNorm().mean()), 3 * errors(kFrames - 1).rms);
+}
+
+TEST_F(Track, FollowsAFolderThatGrowsToTheSameMeshes) {
+  put_meshes("meshes");
+  const auto all = content(scratch / "meshes");
+  for (int frame = 1; frame < kFrames; ++frame)
+    fs::rename(map_file(frame), scratch / name(frame, ".tiff"));
+  std::thread camera([&] {
+    for (int frame = 1; frame < kFrames; ++frame) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      fs::rename(scratch / name(frame, ".tiff"), map_file(frame));
+    }
+  });
+  const CommandResult result = track({"--follow", "2"}, "followed");
+  camera.join();
+  ASSERT_EQ(result.status, kDone) << result.err;
+  EXPECT_EQ(json::parse(result.out)["meshes"], kFrames);
+  auto followed = content(scratch / "followed");
+  EXPECT_EQ(followed.size(), all.size());
+  for (const auto& [file, bytes] : all) {
+    if (file != "track.jsonl") EXPECT_EQ(followed[file], bytes) << file;
+  }
+  // A later run replaces all of these files.
+  const CommandResult again = track({}, "followed");
+  EXPECT_EQ(again.status, kDone) << again.err;
+  EXPECT_EQ(content(scratch / "followed"), all);
 }
 
 TEST_F(Track, ALostFrameIsNamedAndTheNextStartsFromTheLastThatWasFound) {

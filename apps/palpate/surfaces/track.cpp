@@ -26,6 +26,7 @@
 #include "shared/progress.h"
 #include "shared/result_folder.h"
 #include "shared/surface_colors.h"
+#include "surfaces/range_map_feed.h"
 #include "surfaces/tool_places.h"
 #include "surfaces/track_outputs.h"
 #include "surfaces/track_record.h"
@@ -47,7 +48,8 @@ struct TrackCall {
   MapCamera camera;
   geometry::ReadOptions meshes;
   geometry::TrackingOptions tracking;
-  TrackOutputs outputs;  ///< in the folder where this run writes, for `output`
+  TrackOutputs outputs;          ///< in the folder where this run writes, for `output`
+  std::optional<double> follow;  ///< [s] how long to wait for a further range map
   bool resume = false;
 };
 
@@ -148,8 +150,8 @@ geometry::TrackedSurface track_one(const TrackCall& call, const Reference& refer
 
 /// Tracks the frames that are not kept, and adds them to the record.
 /// \return [s] the time for these.
-double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
-                 const Reference& reference, const ResultFolder& folder, TrackRecord& record) {
+double track_all(const TrackCall& call, RangeMapFeed& feed, const Reference& reference,
+                 const ResultFolder& folder, TrackRecord& record) {
   const std::vector<TrackedFrame>& frames = record.frames();
   geometry::SurfaceTracker tracker(call.tracking, reference.mesh);
   const ToolPlaces tool =
@@ -162,7 +164,7 @@ double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
   if (first != frames.end() && !call.color_images.empty()) {
     // The first frame gives the texture.
     const auto index = static_cast<std::size_t>(first - frames.begin());
-    (void)track_one(call, reference, tool, maps[index], tracker);
+    (void)track_one(call, reference, tool, feed.known()[index], tracker);
   }
   const auto last = std::find_if(frames.rbegin(), frames.rend(), is_found);
   if (last != frames.rend())
@@ -171,13 +173,14 @@ double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
   Progress progress("tracking");
   const InterruptMessage message({});
   const auto show = [&] {
-    InterruptMessage::set_kept(folder.what_is_kept(record.written(), maps.size()));
-    progress.show(frames.size(), maps.size());
+    InterruptMessage::set_kept(folder.what_is_kept(record.written(), feed.known().size()));
+    progress.show(frames.size(), feed.known().size());
   };
   show();
-  const Clock::time_point start = Clock::now();
-  while (frames.size() < maps.size()) {
-    const fs::path& file = maps[frames.size()];
+  Clock::duration spent{};
+  while (feed.wait_for(frames.size(), show)) {
+    const fs::path file = feed.known()[frames.size()];
+    const Clock::time_point start = Clock::now();
     const geometry::TrackedSurface found = track_one(call, reference, tool, file, tracker);
     record.add({.range_map = file.filename().string(),
                 .fingerprint = content_of(call, file),
@@ -196,9 +199,10 @@ double track_all(const TrackCall& call, const std::vector<fs::path>& maps,
                    file.string(), found.figures.rms, 100 * found.figures.measured,
                    found.figures.iterations, found.figures.settled ? "" : ", not settled");
     }
+    spent += Clock::now() - start;
     show();
   }
-  return std::chrono::duration<double>(Clock::now() - start).count();
+  return std::chrono::duration<double>(spent).count();
 }
 
 /// Warns if the range maps hardly show tangential motion of the surface.
@@ -288,17 +292,26 @@ void report(const Settings& settings, const TrackCall& call, const TrackRecord& 
   }
 }
 
+/// The first range map gives camera and reference.
+void wait_for_first(RangeMapFeed& feed, const TrackCall& call) {
+  if (!call.follow) return;
+  spdlog::info("waiting up to {:g} s for range maps in {}", *call.follow, call.input.string());
+  static_cast<void>(feed.wait_for(0, [] {}));
+}
+
 void track(const Settings& settings, TrackCall call) {
   if (!is_folder(call.input)) {
     throw InvalidInput(call.input.string() +
                        ": is a file; give a folder of range maps, as palpate decode writes them, "
                        "or of depth images.");
   }
-  const std::vector<fs::path> maps = list_range_maps({call.input}, call.camera);
+  RangeMapFeed feed(call.input, call.camera, call.follow);
   check_output_folder(
       {call.input, call.reference, call.acquisition, call.camera.rig, call.camera.mask},
       call.output);
-  if (maps.size() == 1) {
+  wait_for_first(feed, call);
+  const std::vector<fs::path> maps = feed.known();
+  if (maps.size() == 1 && !call.follow) {
     spdlog::warn("{}: is the only frame in {}; a motion takes more", maps.front().string(),
                  call.input.string());
   }
@@ -315,9 +328,9 @@ void track(const Settings& settings, TrackCall call) {
   }
   double seconds = 0;
   try {
-    seconds = track_all(call, maps, reference, folder, record);
+    seconds = track_all(call, feed, reference, folder, record);
   } catch (const OutputError&) {
-    spdlog::warn("{}", folder.what_is_kept(record.written(), maps.size()));
+    spdlog::warn("{}", folder.what_is_kept(record.written(), feed.known().size()));
     throw;
   }
   std::set<std::string> found;
@@ -360,6 +373,9 @@ void add_track(CLI::App& app, const Settings& settings) {
       "--from-reference, --hold 0.003 and --stiffness 0.01 unless these are given");
   command->add_flag("--pictures", call->outputs.pictures,
                     "Also draw each mesh coloured by its distance from the range map (PNG)");
+  add_number(*command, "--follow", call->follow, above(0).finite(),
+             "Also track range maps that another program adds to the folder, until none has come "
+             "for this time [s]");
   command->add_flag("--resume", call->resume,
                     "Keep the frames that an earlier run with the same settings finished in this "
                     "folder");

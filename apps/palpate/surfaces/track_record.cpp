@@ -57,10 +57,17 @@ Json read_head(const fs::path& record) {
   return head.is_object() && head.contains("kind") && head["kind"] == kTrackRecord ? head : Json();
 }
 
-/// The names, without endings, of the range maps of a record.
-std::set<std::string> claimed_stems(const Json& head) {
+/// The names, without endings, of the range maps of a record: those that were there when it began,
+/// and those that came later.
+std::set<std::string> claimed_stems(const fs::path& record, const Json& head) {
   std::set<std::string> stems;
   if (!head.contains("inputs")) return stems;
+  std::ifstream stream(record, std::ios::binary);
+  for (std::string line; std::getline(stream, line);) {
+    const Json frame = Json::parse(line, nullptr, false);
+    if (frame.is_object() && frame.contains("range_map") && frame["range_map"].is_string())
+      stems.insert(fs::path(frame["range_map"].get<std::string>()).stem().string());
+  }
   for (const Json& input : head.at("inputs"))
     stems.insert(fs::path(input.get<std::string>()).stem().string());
   return stems;
@@ -76,7 +83,7 @@ std::vector<fs::path> tracked_files(const fs::path& folder) {
                        ": would be replaced, and is not a record of palpate track; nothing is "
                        "changed. Give a new or an empty folder, or remove it.");
   }
-  const std::set<std::string> claimed = claimed_stems(head);
+  const std::set<std::string> claimed = claimed_stems(record, head);
   std::vector<fs::path> files;
   for (const fs::path& place : {folder, folder / "nodes"}) {
     if (!is_there(place) || !is_folder(place)) continue;
