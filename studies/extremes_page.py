@@ -54,6 +54,19 @@ tests assert memory always, and powers of time in the large size (`./dev check`)
 """
 
 
+TRADES = """
+## Trades
+
+Each knob that makes a result smaller or a call faster, from accurate to cheap, on the standard input. The tests assert that the
+cost falls, that the stated error does not, and that the error against an independent reference stays within the stated one.
+Statistical errors, such as the standard deviations of depths and forces, are compared on the pages of these subjects
+([sensing](sensing-accuracy.md), [models](trade-model.md), [reduced models](reduce.md)).
+
+| knob | settings | cost | stated error | error | measured against |
+|---|---|---|---|---|---|
+"""
+
+
 def table_of(program):
     with tempfile.TemporaryDirectory() as folder:
         table = Path(folder) / "table.tsv"
@@ -66,13 +79,16 @@ def table_of(program):
 
 def main():
     program, page = sys.argv[1:]
-    table, cells, reasons, growth = table_of(program), {}, [], []
+    table, cells, reasons, growth, trades = table_of(program), {}, [], [], []
     # In the order of the list; what only the large size runs comes last.
-    operations = list(dict.fromkeys([row[0] for row in table if row[1] == "hosts"] + [row[0] for row in table if row[1] != "growth"]))
+    operations = list(dict.fromkeys([row[0] for row in table if row[1] == "hosts"] + [row[0] for row in table if row[1] not in ("growth", "trade")]))
     for operation, theme, found in table:
         if theme == "growth":
             element, number, power, most_power, size, most_size = found.split(" | ")
             growth.append(f"| {operation} | {element} | {number} | {power} ({most_power}) | {size} ({most_size}) |")
+            continue
+        if theme == "trade":
+            trades.append(f"| {operation} | {found} |")
             continue
         if found.startswith("known: "):
             reason = found.removeprefix("known: ")
@@ -85,7 +101,7 @@ def main():
         lines.append(f"| {operation} | " + " | ".join(cells.get((operation, theme), "") for theme in THEMES) + " |")
     lines += ["", "Known deviations:", ""]
     lines += [f"- {chr(ord('A') + i)}: {reason}." for i, reason in enumerate(reasons)]
-    Path(page).write_text(HEAD + "\n".join(lines) + "\n" + GROWTH + "\n".join(growth) + "\n")
+    Path(page).write_text(HEAD + "\n".join(lines) + "\n" + GROWTH + "\n".join(growth) + "\n" + TRADES + "\n".join(trades) + "\n")
 
 
 if __name__ == "__main__":
