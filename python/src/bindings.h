@@ -32,6 +32,7 @@ void add_calibration(py::module_& module);
 /// Simulated measurements of a rig.
 void add_rig_trial(py::module_& module);
 void add_probing(py::module_& module);
+void add_stiffness_map(py::module_& module);
 void add_arm_placement(py::module_& module);
 void add_simulation(py::module_& module);
 /// Plans, and arms that probe simulated objects.

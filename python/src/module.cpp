@@ -91,6 +91,7 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_calibration(module);
   python::add_rig_trial(module);
   python::add_probing(module);
+  python::add_stiffness_map(module);
   python::add_arm_placement(module);
   python::add_fitting(module);
   python::add_evaluation(module);

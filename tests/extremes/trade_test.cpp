@@ -14,12 +14,12 @@
 
 #include "findings.h"
 #include "operations.h"
+#include "palpate/geometry/cloud_sampling.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/farthest_points.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_topology.h"
-#include "palpate/geometry/cloud_sampling.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/winding_number.h"
 #include "palpate/haptics/force_field_fit.h"
@@ -131,8 +131,8 @@ std::vector<Setting> tolerance_of_winding() {
   for (const double tolerance : {1e-9, 1e-4, 1e-2, 0.2}) {
     double largest = 0;
     for (const auto place : input.places.colwise())
-      largest = std::max(largest, std::abs(winding.at(place, tolerance) -
-                                           winding_by_angles(input.ball, place)));
+      largest = std::max(
+          largest, std::abs(winding.at(place, tolerance) - winding_by_angles(input.ball, place)));
     found.push_back({.knob = tolerance, .stated = tolerance, .actual = largest});
   }
   return found;
@@ -238,7 +238,8 @@ Matrix3Xd forces_of_presses(const haptics::Model& model, int presses) {
     constexpr int kTicks = 60;
     for (int tick = 0; tick <= kTicks; ++tick) {
       const double height = 1 - (1 + depth) * tick / kTicks;
-      path.push_back({1e-3 * tick, input.sheet.vertices.col(vertex) + height * normals.col(vertex)});
+      path.push_back(
+          {1e-3 * tick, input.sheet.vertices.col(vertex) + height * normals.col(vertex)});
     }
     forces.col(i) = haptics::play(playback, path).back().force;
   }
@@ -252,8 +253,7 @@ std::vector<Setting> error_of_a_reduced_model() {
   std::vector<Setting> found;
   for (const double error : {0.01, 0.05, 0.2}) {
     const haptics::ReducedModel reduced = haptics::reduce_model(
-        model,
-        {.max_error = error, .max_surface_error = 0.5, .largest_depth = 3, .strokes = 300});
+        model, {.max_error = error, .max_surface_error = 0.5, .largest_depth = 3, .strokes = 300});
     const Matrix3Xd difference = forces_of_presses(reduced.model, kPresses) - before;
     found.push_back({.knob = error,
                      .cost = reduced.size_after,
@@ -268,7 +268,9 @@ const std::vector<Trade>& trades() {
   constexpr double kFastMarching = 1.01;
   static const std::vector<Trade> all = {
       {"decimate: tolerance", "mm", "triangles", "dense points of both surfaces",
-       [] { return decimation({{.tolerance = 1}, {.tolerance = 2}, {.tolerance = 4}}); }},
+       [] {
+         return decimation({{.tolerance = 1}, {.tolerance = 2}, {.tolerance = 4}});
+       }},
       {"decimate: max_triangles", "mm", "triangles", "dense points of both surfaces",
        [] {
          return decimation({{.max_triangles = 300}, {.max_triangles = 100}, {.max_triangles = 30}});
@@ -281,8 +283,7 @@ const std::vector<Trade>& trades() {
       {"voxel_sample: edge", "mm", "points", "each point of the cloud", edge_of_voxels},
       {"farthest_points: count", "mm", "points", "exact geodesics", number_of_farthest_points,
        kFastMarching},
-      {"fit_force_field: max_bases", "N", "bases", "the forces of the field",
-       bases_of_a_field},
+      {"fit_force_field: max_bases", "N", "bases", "the forces of the field", bases_of_a_field},
       {"reduce_model: max_error", "N", "bytes", "the full model, at random presses",
        error_of_a_reduced_model}};
   return all;
@@ -327,9 +328,8 @@ TEST_P(StatedTrade, ACheaperResultIsNotWorseThanItStates) {
   tell(trade, settings);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, StatedTrade, ::testing::ValuesIn(trades()), [](const auto& one) {
-  return test_name({.name = one.param.knob});
-});
+INSTANTIATE_TEST_SUITE_P(All, StatedTrade, ::testing::ValuesIn(trades()),
+                         [](const auto& one) { return test_name({.name = one.param.knob}); });
 
 }  // namespace
 }  // namespace palpate::extremes

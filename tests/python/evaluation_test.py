@@ -80,6 +80,31 @@ class Evaluation(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "max_pairs"):
             palpate.identify_solid(acquisition, palpate.Specimen(block), max_pairs=0)
 
+    def test_a_stiff_part_is_found_where_it_is(self):
+        # A plane with springs: twice as stiff at (40, 40), half of that 12 mm away.
+        x, y = np.meshgrid(np.arange(0, 81, 8.0), np.arange(0, 81, 8.0))
+        places = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+        stiffness = 0.1 * (1 + np.exp2(-((places[:, :2] - 40) ** 2).sum(axis=1) / 144))
+        up, inwards = np.tile([0.0, 0, 1], (len(places), 1)), [0.0, 0, -1]
+        force = np.tile([0.0, 0, -1], (len(places), 1))
+        pressed = places + np.outer(1 / stiffness, inwards)
+        acquisition = palpate.Acquisition(places, up, np.arange(len(places)), force, pressed, pressed)
+        n = 41
+        grid = np.arange(n * n).reshape(n, n)
+        vertices = np.stack([*(2.0 * np.indices((n, n)).reshape(2, -1)), np.zeros(n * n)], axis=1)
+        a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+        triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+        found = palpate.stiffness_map(acquisition, palpate.TriangleMesh(vertices, triangles),
+                                      position_noise=1e-3, force_noise=1e-4)
+        self.assertTrue(found.distinct)
+        self.assertEqual(found.stiffness.shape, (n * n,))
+        self.assertAlmostEqual(found.stiff, 0.2, delta=0.004)
+        radius = 12 * np.sqrt(-np.log2(found.threshold / 0.1 - 1))
+        self.assertEqual(found.contour.shape[1:], (2, 3))
+        np.testing.assert_allclose(np.linalg.norm(found.contour - [40, 40, 0], axis=2), radius, atol=0.6)
+        with self.assertRaisesRegex(palpate.InvalidInput, "position"):
+            palpate.stiffness_map(acquisition, palpate.TriangleMesh(vertices, triangles), position_noise=-1)
+
     def test_a_sheet_is_no_half_space(self):
         self.assertEqual(palpate.identify(self.acquisition, "half-space", tool_radius=3).verdict, "does_not_describe")
         with self.assertRaisesRegex(palpate.InvalidInput, "tool_radius"):
