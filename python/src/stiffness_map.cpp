@@ -28,10 +28,16 @@ void add_stiffness_map(py::module_& module) {
   py::class_<StiffnessMap>(module, "StiffnessMap",
                            "How stiff an object feels along its surface of V vertices.")
       .def_property_readonly(
-          "stiffness", [](const py::object& map) { return vector_view(map.cast<const StiffnessMap&>().stiffness, map); },
+          "stiffness",
+          [](const py::object& map) {
+            return vector_view(map.cast<const StiffnessMap&>().stiffness, map);
+          },
           "[N/mm] (V,) a normal force over its depth; NaN where no contact is near.")
       .def_property_readonly(
-          "deviation", [](const py::object& map) { return vector_view(map.cast<const StiffnessMap&>().deviation, map); },
+          "deviation",
+          [](const py::object& map) {
+            return vector_view(map.cast<const StiffnessMap&>().deviation, map);
+          },
           "[N/mm] (V,) standard deviation of `stiffness`.")
       .def_readonly("soft", &StiffnessMap::soft, "[N/mm] median over the surface.")
       .def_readonly("stiff", &StiffnessMap::stiff, "[N/mm] highest value at a contact.")
