@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <mutex>
 #include <set>
 #include <sstream>
@@ -18,6 +16,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/file_names.h"
+#include "palpate/core/input_file.h"
 #include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/reason.h"
@@ -35,10 +34,7 @@ constexpr double kRotation = 1e-6;  // accepts values rounded to six decimals, a
 constexpr std::size_t kWithoutLastRow = 12, kWhole = 16;
 
 std::vector<double> numbers(const fs::path& path) {
-  if (is_folder(path)) throw FileError(path.string() + ": is a folder; expected a pose file.");
-  std::ifstream in(path);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in.good()) throw FileError(path.string() + ": cannot be read.");
+  std::string text = read_input_file(path);
   std::ranges::replace(text, ',', ' ');
   std::istringstream words(text);
   std::vector<double> result;

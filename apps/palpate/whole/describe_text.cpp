@@ -7,13 +7,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/input_file.h"
 #include "palpate/sensing/camera_file.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
@@ -112,12 +111,6 @@ Description describe_response(const fs::path& path) {
                       counted(response.channels.size(), "channel"), prose)};
 }
 
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path.string() + ": cannot be opened.");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 Description describe_recording(const fs::path& path) {
   const RunRecord record =
       read_run_record(path, "Give the capture.jsonl that palpate capture has written");
@@ -166,7 +159,7 @@ Description describe_record(const fs::path& path) {
 }
 
 Description describe_yaml(const fs::path& path) {
-  const std::string text = text_of(path);
+  const std::string text = read_input_file(path);
   if (text.find("projector_matrix") != std::string::npos) return describe_rig(path);
   if (text.find("period_px") != std::string::npos) return describe_pattern(path);
   if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
@@ -183,7 +176,7 @@ Description describe_yaml(const fs::path& path) {
 }
 
 Description describe_csv(const fs::path& path) {
-  const std::string text = text_of(path);
+  const std::string text = read_input_file(path);
   const std::string header = text.substr(0, text.find_first_of("\r\n"));
   if (text.empty()) throw FileError(path.string() + ": is empty.");
   const auto lines =

@@ -27,8 +27,12 @@ TEST(TrackRecord, KeepsFramesWithFiguresThatAreNotKnown) {
     record.add({.range_map = "0.tiff",
                 .fingerprint = "a",
                 .lost = {},
-                .figures = {.rms = kNan, .p95 = kNan, .max = kNan, .measured = 0.5,
-                            .sigma_across = kNan, .sigma_along = 0.25}});
+                .figures = {.rms = kNan,
+                            .p95 = kNan,
+                            .max = kNan,
+                            .measured = 0.5,
+                            .sigma_across = kNan,
+                            .sigma_along = 0.25}});
     record.add({.range_map = "1.tiff", .fingerprint = "b", .lost = "nothing is there"});
     record.write();
   }

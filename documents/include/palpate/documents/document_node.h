@@ -32,10 +32,10 @@ inline constexpr double kLargestDocumentNumber = 1e12;
 [[noreturn]] void refuse(const std::string& pointer, const std::string& found,
                          const std::string& right);
 
-/// Typed access to a value inside a document. Every function throws InvalidInput if the value is
-/// not of the requested kind: the message has the line if it is known, the JSON
-/// pointer, the value found, and what would be right: "line 3, at /tools/0/name: found 5, expected
-/// a string". The document must outlive the node.
+/// Typed access to a value inside a document, which must outlive the node. Every function throws
+/// InvalidInput if the value is not of the requested kind. The message names the line, if it is
+/// known, the JSON pointer, the value found, and what would be right: "line 3, at /tools/0/name:
+/// found 5, expected a string".
 class DocumentNode {
  public:
   explicit DocumentNode(const Document& document) : document_(&document), value_(&document.value) {}
