@@ -22,6 +22,7 @@ namespace palpate::python {
 namespace {
 
 using geometry::SurfaceMap;
+using haptics::ErrorBudget;
 using haptics::ForceScaling;
 using haptics::MergedModel;
 using haptics::MergeModelsOptions;
@@ -132,6 +133,45 @@ Raises InvalidInput.)",
       arg("model"), kw_only(), arg("reachable") = py::none(), arg("progress") = py::none());
 }
 
+std::vector<Eigen::Vector3d> places_from(const py::object& contacts) {
+  const Eigen::Matrix3Xd places = Points(contacts, "contacts").columns();
+  std::vector<Eigen::Vector3d> list;
+  for (const auto& place : places.colwise()) list.emplace_back(place);
+  return list;
+}
+
+void add_budget(py::module_& module) {
+  py::class_<ErrorBudget>(
+      module, "ErrorBudget",
+      "The sources of an expected error [N]: the squares of the first six add up to that of "
+      "`stated`.")
+      .def_readonly("force_noise", &ErrorBudget::force_noise, "[N] Noise of the forces.")
+      .def_readonly("position_noise", &ErrorBudget::position_noise,
+                    "[N] Noise of the positions of the tool.")
+      .def_readonly("fit", &ErrorBudget::fit, "[N] What the fields of contacts do not explain.")
+      .def_readonly("across", &ErrorBudget::across,
+                    "[N] Directions in which the tool did not press.")
+      .def_readonly("spacing", &ErrorBudget::spacing, "[N] Distance between contacts.")
+      .def_readonly("contrast", &ErrorBudget::contrast,
+                    "[N] Blending of contacts that differ in stiffness.")
+      .def_readonly("per_depth_noise", &ErrorBudget::per_depth_noise,
+                    "[N/mm] for each mm of noise of the depths; not in `stated`.")
+      .def_readonly("per_depth_offset", &ErrorBudget::per_depth_offset,
+                    "[N/mm] for each mm of offset of the whole surface; not in `stated`.")
+      .def_readonly("per_registration", &ErrorBudget::per_registration,
+                    "[N/mm] for each mm of shift along the surface; not in `stated`.")
+      .def_property_readonly("stated", &ErrorBudget::stated, "[N] Error that the model states.")
+      .def(
+          "with_surface",
+          [](const ErrorBudget& self, std::optional<double> depth_noise,
+             std::optional<double> depth_offset, std::optional<double> registration) {
+            return self.with({depth_noise, depth_offset, registration});
+          },
+          kw_only(), arg("depth_noise") = py::none(), arg("depth_offset") = py::none(),
+          arg("registration") = py::none(),
+          "[N] Error with those errors [mm] of the surface that are known. Raises InvalidInput.");
+}
+
 void add_forecast(py::module_& module) {
   py::class_<haptics::ErrorForecast>(module, "ErrorForecast",
                                      "The error of a model with other contacts.")
@@ -158,9 +198,7 @@ Raises InvalidInput.)")
       .def(
           "with_contacts",
           [](const haptics::ErrorForecast& forecast, const py::object& contacts) {
-            const Eigen::Matrix3Xd places = Points(contacts, "contacts").columns();
-            std::vector<Eigen::Vector3d> list;
-            for (const auto& place : places.colwise()) list.emplace_back(place);
+            const std::vector<Eigen::Vector3d> list = places_from(contacts);
             const Unlocked unlocked;
             return forecast.with(list);
           },
@@ -168,6 +206,21 @@ Raises InvalidInput.)")
           R"(with_contacts(contacts: ArrayLike) -> float
 
 [N] RMS error with contacts at these places (N, 3) [mm] on the surface.)")
+      .def(
+          "budget_with",
+          [](const haptics::ErrorForecast& forecast, const py::object& contacts) {
+            const std::vector<Eigen::Vector3d> list = places_from(contacts);
+            const Unlocked unlocked;
+            return forecast.budget_with(list);
+          },
+          arg("contacts"),
+          R"(budget_with(contacts: ArrayLike) -> ErrorBudget
+
+The sources of that error.)")
+      .def_property_readonly(
+          "budget_at_present",
+          [](const haptics::ErrorForecast& forecast) { return forecast.budget_at_present(); },
+          "The sources of the error with the contacts of the model.")
       .def_property_readonly("at_present", &haptics::ErrorForecast::at_present,
                              "[N] RMS error with the contacts of the model.")
       .def_property_readonly("of_contacts", &haptics::ErrorForecast::of_contacts,
@@ -256,6 +309,7 @@ Raises InvalidInput or SolverError.)");
 void add_derived_models(py::module_& module) {
   add_merging_of_models(module);
   add_reduction(module);
+  add_budget(module);
   add_forecast(module);
   add_scaling(module);
   add_transfer(module);

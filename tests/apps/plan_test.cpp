@@ -162,6 +162,28 @@ TEST_F(Plan, SharesTheTimeOfTheArmAlsoInAProject) {
               HasSubstr("select it with --object: left, right"));
 }
 
+TEST_F(Plan, ExplainsFromWhichSourceTheExpectedErrorComes) {
+  require("force_error: 0.07 N, " + middle);
+  EXPECT_FALSE(planned().contains("budget"));
+  const json of = planned({"--explain", "--depth-offset", "0.1"}), budget = of["budget"];
+  double squares = 0;
+  for (const char* part : {"force_noise", "position_noise", "fit", "across", "spacing", "contrast"})
+    squares += std::pow(budget[part].get<double>(), 2);
+  const double expected = of["planned"]["error"], offset = budget["surface"]["depth_offset"];
+  EXPECT_NEAR(std::sqrt(squares), expected, 1e-9);
+  EXPECT_NEAR(budget["stated"], expected, 1e-9);
+  EXPECT_NEAR(budget["with_surface"], std::hypot(expected, offset), 1e-9);
+  EXPECT_NEAR(offset, 0.1 * budget["per_mm"]["depth_offset"].get<double>(), 1e-9);
+  EXPECT_TRUE(budget["surface"]["registration"].is_null());
+  EXPECT_THAT(
+      plan({"--explain", "--depth-offset", "0.1"}).out,
+      AllOf(HasSubstr("distance between contacts"), HasSubstr("offset of the depths, 0.1 mm"),
+            HasSubstr("Not included. 0.1 mm would cause: ")));
+  EXPECT_EQ(plan({"--depth-offset", "0.1"}).status, kWrongCall);
+  EXPECT_THAT(plan({"--explain", "--registration", "-1"}).err,
+              HasSubstr("--registration: is -1; it must be >= 0"));
+}
+
 TEST_F(Plan, RefusesWhatCannotBePlanned) {
   require("force_error: 0.1 N");
   EXPECT_THAT(plan({"--object", "liver"}).err,

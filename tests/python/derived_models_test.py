@@ -45,6 +45,14 @@ class DerivedModels(unittest.TestCase):
         more = forecast.with_contacts(np.vstack([contacts, (contacts[:-1] + contacts[1:]) / 2]))
         self.assertLess(more, own)
         self.assertGreater(more, forecast.of_contacts)
+        budget = forecast.budget_with(contacts)
+        parts = (budget.force_noise, budget.position_noise, budget.fit, budget.across, budget.spacing, budget.contrast)
+        self.assertAlmostEqual(np.linalg.norm(parts), own, delta=1e-9)
+        self.assertAlmostEqual(budget.stated, own, delta=1e-9)
+        self.assertAlmostEqual(budget.with_surface(depth_offset=0.1), np.hypot(own, 0.1 * budget.per_depth_offset), delta=1e-9)
+        with self.assertRaisesRegex(palpate.InvalidInput, "depth_offset is -1"):
+            budget.with_surface(depth_offset=-1)
+        self.assertEqual(budget.per_depth_offset, forecast.budget_at_present.per_depth_offset)
         with self.assertRaisesRegex(palpate.InvalidInput, "reachable has 1 values"):
             palpate.ErrorForecast(self.model, reachable=[True])
 

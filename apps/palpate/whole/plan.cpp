@@ -29,6 +29,7 @@
 #include "shared/output_checks.h"
 #include "shared/scene_needs.h"
 #include "shared/words.h"
+#include "whole/plan_explained.h"
 #include "whole/plan_project.h"
 
 namespace palpate::apps {
@@ -53,6 +54,7 @@ struct PlanSceneCall {
   fs::path scene, output, surface, specimen, acquisition;
   std::optional<std::string> object;
   probing::PlanOptions places;
+  PlanExplanation explanation;
 };
 
 /// An object of the scene, and its known properties.
@@ -158,21 +160,25 @@ Json figures_of(const haptics::PlannedContacts& of) {
           {"bytes", std::llround(of.size)}};
 }
 
-Json figures_of(const haptics::SceneRequirement& requirement, const haptics::ObjectPlan& plan) {
+Json figures_of(const PlanSceneCall& call, const haptics::SceneRequirement& requirement,
+                const haptics::ObjectPlan& plan) {
   Json curve = Json::array();
   for (const haptics::PlannedContacts& point : plan.curve) curve.push_back(figures_of(point));
-  return {{"object", requirement.object},
-          {"model", requirement.model.string()},
-          {"asked", number_or_null(plan.asked)},
-          {"allowed", number_or_null(plan.allowed)},
-          {"met", plan.is_met()},
-          {"limit", to_string(plan.limit)},
-          {"raised", plan.raised},
-          {"of_contacts", plan.of_contacts},
-          {"present", figures_of(plan.present)},
-          {"planned", figures_of(plan.planned)},
-          {"with_one_hour_more", figures_of(plan.with_more)},
-          {"curve", curve}};
+  Json figures{{"object", requirement.object},
+               {"model", requirement.model.string()},
+               {"asked", number_or_null(plan.asked)},
+               {"allowed", number_or_null(plan.allowed)},
+               {"met", plan.is_met()},
+               {"limit", to_string(plan.limit)},
+               {"raised", plan.raised},
+               {"of_contacts", plan.of_contacts},
+               {"present", figures_of(plan.present)},
+               {"planned", figures_of(plan.planned)},
+               {"with_one_hour_more", figures_of(plan.with_more)},
+               {"curve", curve}};
+  if (call.explanation.is_wanted)
+    figures["budget"] = budget_figures(plan.budget, call.explanation.surface, requirement);
+  return figures;
 }
 
 std::string row(const haptics::PlannedContacts& of, const char* note) {
@@ -251,8 +257,10 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const haptics::SceneRequirement& requirement = objects[i].requirement;
     tell_raised(requirement, plans[i]);
-    figures["objects"].push_back(figures_of(requirement, plans[i]));
+    figures["objects"].push_back(figures_of(call, requirement, plans[i]));
     words += plan_in_words(requirement, plans[i]);
+    if (call.explanation.is_wanted)
+      words += budget_in_words(plans[i], call.explanation.surface, requirement);
     hours += plans[i].planned.arm_time / kSecondsPerHour;
   }
   if (plans.size() > 1) words += fmt::format("All objects: {:.1f} h of the arm.\n", hours);
@@ -297,12 +305,14 @@ void add_plan(CLI::App& app, const Settings& settings) {
   command->add_option("--acquisition", call->acquisition,
                       "Store of a campaign that shows how long a contact takes (default: 12 s for "
                       "each trial)");
+  add_explain_options(*command, call->explanation);
   add_fields(*command, fields_of(call->places), kPlaceOptions);
   add_sensor_option(*command, call->places.sensor);
   command->footer(
       "The models of the scene tell what errors to expect with other contacts: models of these "
       "objects with at least 40 contacts, or of similar ones.\n"
-      "Examples:\n  palpate plan scene.yaml\n"
+      "Examples:\n  palpate plan scene.yaml\n  palpate plan scene.yaml --explain --depth-offset "
+      "0.1\n"
       "  palpate plan scene.yaml --object liver --acquisition acquisition.db -o project.yaml");
   command->callback([call, &settings] { plan(settings, *call); });
 }

@@ -15,6 +15,7 @@
 #include "fit/left_out_pairs.h"
 #include "fit/pressing_field.h"
 #include "fit/unmeasured_directions.h"
+#include "model/fit_misfit.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/haptics/rounding.h"
@@ -51,10 +52,7 @@ ContactUncertainty uncertainty_of(const FitResult& fit, double parameters, doubl
                                   const MeasurementNoise& noise) {
   const double share = std::min(1.0, parameters / (3 * pairs)) *
                        std::min(expected_growth(parameters, 3 * pairs), kMostGrowth);
-  // Chi^2 exceeds 1 by chance, too: beyond two of its standard deviations it shows a misfit.
-  const double by_chance = 2 * std::sqrt(2 / (3 * pairs));
-  const double misfit = fit.noise_floor * fit.noise_floor *
-                        std::max(std::min(fit.chi2, kGreatestFigure) - 1 - by_chance, 0.0);
+  const double misfit = fit_misfit(std::min(fit.chi2, kGreatestFigure), fit.noise_floor, pairs);
   return {.force = std::sqrt(3 * share * noise.force * noise.force + misfit),
           .displacement = std::sqrt(share) * noise.displacement};
 }

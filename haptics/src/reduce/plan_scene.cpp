@@ -71,6 +71,11 @@ class ContactTrade {
     return planned(count, known->second);
   }
 
+  [[nodiscard]] ErrorBudget budget_with(int contacts) const {
+    return forecast_.budget_with(
+        std::span(needs_.places).first(static_cast<std::size_t>(contacts)));
+  }
+
   [[nodiscard]] PlannedContacts as_it_is() const {
     return planned(present(), forecast_.at_present());
   }
@@ -182,7 +187,9 @@ ObjectPlan plan_of(ContactTrade& trade, const Choice& choice) {
                   .allowed = {},
                   .limit = choice.limit,
                   .of_contacts = trade.forecast().of_contacts(),
+                  .budget = {},
                   .curve = {}};
+  plan.budget = trade.budget_with(plan.planned.contacts);
   plan.with_more = trade.with(trade.contacts_in(plan.planned.arm_time + kHour));
   if (plan.asked) {
     plan.allowed = trade.allowed();

@@ -15,6 +15,7 @@
 
 #include "palpate/core/error.h"
 #include "palpate/documents/document.h"
+#include "palpate/documents/document_fields.h"
 #include "palpate/documents/document_node.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/surface_query.h"
@@ -122,7 +123,10 @@ SceneRequirement requirement_of(const DocumentNode& object, const fs::path& fold
                           .model = folder / object.at("model").text(),
                           .options = {},
                           .region = {},
-                          .arm_time = {}};
+                          .arm_time = {},
+                          .playback = {}};
+  if (const auto playback = object.find("playback"))
+    documents::read_fields(*playback, fields_of(result.playback));
   const std::optional<DocumentNode> require = object.find("require");
   require->expect_only(kRequire);
   ReduceOptions& options = result.options;

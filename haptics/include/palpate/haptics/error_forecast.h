@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/error_budget.h"
 #include "palpate/haptics/reduce_model.h"
 
 namespace palpate::haptics {
@@ -28,15 +29,23 @@ class ErrorForecast {
   explicit ErrorForecast(const Model& model, const ReduceOptions& needs = {});
 
   /// [N] With the contacts of the model.
-  [[nodiscard]] double at_present() const;
+  [[nodiscard]] double at_present() const { return present_.stated(); }
 
   /// [N] With other contacts instead.
   /// \param contacts [mm] places on the surface of the model, or near it; at least three.
   /// \throws InvalidInput or SolverError as `geometry::triangulate_contacts`.
-  [[nodiscard]] double with(std::span<const Eigen::Vector3d> contacts) const;
+  [[nodiscard]] double with(std::span<const Eigen::Vector3d> contacts) const {
+    return budget_with(contacts).stated();
+  }
 
   /// [N] The part that no further contact removes: that of the contacts themselves.
   [[nodiscard]] double of_contacts() const;
+
+  /// The sources of the error with the contacts of the model.
+  [[nodiscard]] const ErrorBudget& budget_at_present() const { return present_; }
+
+  /// The sources of the error with other contacts; as `with`.
+  [[nodiscard]] ErrorBudget budget_with(std::span<const Eigen::Vector3d> contacts) const;
 
   /// [N] RMS of the forces at the ends of the strokes.
   [[nodiscard]] double force() const { return force_; }
@@ -51,8 +60,8 @@ class ErrorForecast {
   geometry::SurfaceQuery query_;
   geometry::ContactTriangulationMethod triangulation_;
   std::vector<Place> places_;
-  double contacts_ = 0, contrast_ = 0, growing_ = 0;  ///< [N^2] means over the places
-  double reach_ = 0;                                  ///< [mm^2] mean over the places
+  ErrorBudget present_;
+  double reach_ = 0;  ///< [mm^2] mean over the places
   double force_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/haptics/error_budget.h"
 #include "palpate/haptics/reduce_model.h"
 
 namespace palpate::haptics {
@@ -54,6 +55,7 @@ struct ObjectPlan {
   double raised = 1;  ///< how many times larger the planned error is than `allowed`; >= 1
   PlanLimit limit = PlanLimit::none;
   double of_contacts = 0;              ///< [N] the error that no further contact removes
+  ErrorBudget budget = {};             ///< the sources of `planned.error`
   std::vector<PlannedContacts> curve;  ///< of other numbers of contacts, ascending
 
   /// True if the contacts of the model meet the allowed error already.

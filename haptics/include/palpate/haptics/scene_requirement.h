@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
+#include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
 
 namespace palpate::haptics {
@@ -38,6 +39,7 @@ struct SceneRequirement {
   ReduceOptions options;
   std::optional<SceneRegion> region;
   std::optional<double> arm_time;  ///< [s] for which an arm may probe it
+  PlaybackOptions playback;        ///< how the object is played
 };
 
 /// The requirements of a scene on all its objects together, and on each with a member `require`.
