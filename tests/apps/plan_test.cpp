@@ -184,6 +184,17 @@ TEST_F(Plan, ExplainsFromWhichSourceTheExpectedErrorComes) {
               HasSubstr("--registration: is -1; it must be >= 0"));
 }
 
+TEST_F(Plan, WarnsOfAToolThatIsNotTheProbe) {
+  require("force_error: 0.3 N, tool_radius: 4 mm");
+  EXPECT_THAT(plan().err, HasSubstr("does not say with which ball it was measured"));
+  std::filesystem::copy(*measured / "model", scratch / "model");
+  json field = json::parse(read_text(scratch / "model/field.json"));
+  field["probe_radius"] = 3;
+  write_text(scratch / "model/field.json", field.dump());
+  require_of(scratch / "model", "force_error: 0.3 N, tool_radius: 4 mm");
+  EXPECT_THAT(plan().err, HasSubstr("a tool of 4 mm feels 15 % more force (Hertz)"));
+}
+
 TEST_F(Plan, RefusesWhatCannotBePlanned) {
   require("force_error: 0.1 N");
   EXPECT_THAT(plan({"--object", "liver"}).err,

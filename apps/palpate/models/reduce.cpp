@@ -31,6 +31,7 @@ haptics::ReduceOptions required(const ReduceCall& call, const haptics::Model& mo
   const auto& [scene, object] = call.scene;
   if (scene.empty()) return call.options;
   const haptics::SceneRequirement of = haptics::read_scene_requirement(scene, call.model, object);
+  warn_of_tool_radius(of, model);
   haptics::ReduceOptions options = of.options;
   options.strokes = call.options.strokes;
   options.seed = call.options.seed;

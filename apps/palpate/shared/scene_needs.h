@@ -30,4 +30,7 @@ CLI::Option* add_scene_options(CLI::App& command, SceneChoice& choice, const std
                                                       const haptics::SceneRequirement& requirement,
                                                       const geometry::TriangleMesh& surface);
 
+/// Warns that the tool of the scene is not the ball with which the model was measured.
+void warn_of_tool_radius(const haptics::SceneRequirement& requirement, const haptics::Model& model);
+
 }  // namespace palpate::apps

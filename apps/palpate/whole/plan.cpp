@@ -116,6 +116,7 @@ std::size_t selected_object(const PlanSceneCall& call, const std::vector<Planned
 }
 
 haptics::ObjectNeeds needs_of(const PlanSceneCall& call, PlannedObject& object) {
+  warn_of_tool_radius(object.requirement, object.model);
   haptics::ObjectNeeds needs{.name = object.requirement.object,
                              .model = &object.model,
                              .options = object.requirement.options,

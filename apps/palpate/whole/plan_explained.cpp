@@ -41,8 +41,7 @@ constexpr std::array kSurface{
     SurfaceSource{"depth_offset", "offset of the depths", &haptics::ErrorBudget::per_depth_offset,
                   &haptics::SurfaceErrors::depth_offset},
     SurfaceSource{"registration", "registration along the surface",
-                  &haptics::ErrorBudget::per_registration,
-                  &haptics::SurfaceErrors::registration}};
+                  &haptics::ErrorBudget::per_registration, &haptics::SurfaceErrors::registration}};
 
 // [mm] What a set-up is often wrong by, for those errors that are not given.
 constexpr double kExample = 0.1;
@@ -93,8 +92,7 @@ std::string budget_in_words(const haptics::ObjectPlan& plan, const haptics::Surf
   const haptics::ErrorBudget& budget = plan.budget;
   std::vector<BudgetRow> rows;
   std::string unknown;
-  for (const StatedSource& source : kStated)
-    rows.push_back({source.words, budget.*source.error});
+  for (const StatedSource& source : kStated) rows.push_back({source.words, budget.*source.error});
   for (const SurfaceSource& source : kSurface) {
     const double slope = budget.*source.slope;
     if (const std::optional<double>& size = known.*source.size) {

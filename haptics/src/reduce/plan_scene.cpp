@@ -59,7 +59,7 @@ class ContactTrade {
   [[nodiscard]] double allowed() const { return is_reduced() ? *asked_ / kReductionRoom : *asked_; }
   [[nodiscard]] bool is_reduced() const {
     const ReduceOptions& of = needs_.options;
-    return of.max_size || of.max_surface_error || !of.reachable.empty();
+    return of.max_size || of.max_surface_error || of.picture_size || !of.reachable.empty();
   }
 
   [[nodiscard]] PlannedContacts with(int contacts) {
@@ -186,6 +186,7 @@ ObjectPlan plan_of(ContactTrade& trade, const Choice& choice) {
                   .asked = trade.asked(),
                   .allowed = {},
                   .limit = choice.limit,
+                  .force = trade.forecast().force(),
                   .of_contacts = trade.forecast().of_contacts(),
                   .budget = {},
                   .curve = {}};

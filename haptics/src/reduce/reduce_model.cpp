@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -184,13 +185,21 @@ ReducedModel reduced_within(Source& source, const Allowed& allowed) {
   return result;
 }
 
+// [mm] The least of what is asked for.
+double allowed_surface_error(const Source& source) {
+  const double diagonal = geometry::bounding_diagonal(source.model.surface);
+  const ReduceOptions& options = source.options;
+  if (!options.max_surface_error && !options.picture_size) return kSurfaceShown * diagonal;
+  double allowed = options.max_surface_error.value_or(std::numeric_limits<double>::infinity());
+  if (options.picture_size) allowed = std::min(allowed, diagonal / *options.picture_size);
+  return allowed;
+}
+
 // \param own [N] error that the full model states, \param least [N] that the reduced one may have.
 Allowed allowed_errors(const Source& source, double own, double least,
                        const std::optional<double>& asked) {
   const double whole = std::max(asked.value_or(least), own > 0 ? least : 0);
-  return {.force = std::sqrt(whole * whole - own * own),
-          .surface = source.options.max_surface_error.value_or(
-              kSurfaceShown * geometry::bounding_diagonal(source.model.surface))};
+  return {.force = std::sqrt(whole * whole - own * own), .surface = allowed_surface_error(source)};
 }
 
 // Completes the model with what it says of itself.
@@ -277,10 +286,15 @@ void visit(ReduceOptions& options, FieldVisitor& visitor) {
                options.max_relative_error, above(0).at_most(1));
   visitor.real(
       {"max_surface_error",
-       "Allowed distance between the surfaces. Without it: a thousandth of the diagonal of "
-       "the surface",
+       "Allowed distance between the surfaces. Without it and without picture_size: a thousandth "
+       "of the diagonal of the surface",
        "mm"},
       options.max_surface_error, at_least(0).finite());
+  visitor.real(
+      {"picture_size",
+       "Pixels across the picture in which the whole surface is shown: the surface may move by one",
+       "px"},
+      options.picture_size, at_least(1).finite());
   visitor.real(
       {"max_size", "Allowed size of the model folder; the allowed errors are raised until it holds",
        "bytes"},

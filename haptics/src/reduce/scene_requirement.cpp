@@ -32,11 +32,11 @@ using Eigen::Vector3d;
 // About what people just notice, relative to the force: see docs/reduce.md.
 constexpr double kNoticed = 0.07;
 
-const std::vector<std::string> kRequire{"force_error",   "surface_error", "size",
-                                        "largest_force", "largest_depth", "slip",
-                                        "shapes",        "region",        "arm_time"};
+const std::vector<std::string> kRequire{"force_error",   "surface_error", "picture_size", "size",
+                                        "largest_force", "largest_depth", "slip",         "shapes",
+                                        "region",        "arm_time",      "tool_radius"};
 const std::vector<std::string> kBudget{"arm_time"};
-const std::vector<std::string> kRegion{"box", "side", "path", "margin"};
+const std::vector<std::string> kRegion{"box", "side", "camera", "path", "margin"};
 
 struct Unit {
   std::string_view name;
@@ -46,6 +46,7 @@ constexpr std::array<Unit, 4> kLengths{{{"mm", 1}, {"um", 1e-3}, {"cm", 10}, {"m
 constexpr std::array<Unit, 3> kForces{{{"N", 1}, {"mN", 1e-3}, {"kN", 1e3}}};
 constexpr std::array<Unit, 4> kSizes{{{"kB", 1e3}, {"B", 1}, {"MB", 1e6}, {"GB", 1e9}}};
 constexpr std::array<Unit, 3> kTimes{{{"h", 3600}, {"min", 60}, {"s", 1}}};
+constexpr std::array<Unit, 1> kPixels{{{"px", 1}}};
 constexpr std::array<Unit, 1> kShares{{{"%", 1e-2}}};
 
 // "0.2 N" in the first of the units; nothing if it is not that.
@@ -106,6 +107,11 @@ SceneRegion region_of(const DocumentNode& node, const fs::path& folder) {
     if (!(towards.norm() > 0)) side->refuse("a direction that is not zero");
     region.side.emplace(-towards.normalized(), point);
   }
+  if (const auto camera = node.find("camera")) {
+    std::array<double, 3> at{};
+    camera->read(at, "the three numbers x, y, z of its position [mm]");
+    region.camera.emplace(at[0], at[1], at[2]);
+  }
   const auto path = node.find("path"), margin = node.find("margin");
   if (path && !margin) path->refuse("'margin' beside it: how far the tool may stray from the path");
   if (margin && !path) margin->refuse("'path' beside it, a trajectory");
@@ -114,7 +120,8 @@ SceneRegion region_of(const DocumentNode& node, const fs::path& folder) {
     for (const TrajectoryPoint& point : read_trajectory_file(folder / path->text()))
       region.path.push_back(point.tool);
   }
-  if (!region.box && !region.side && !path) node.refuse("'box', 'side' or 'path'");
+  if (!region.box && !region.side && !region.camera && !path)
+    node.refuse("'box', 'side', 'camera' or 'path'");
   return region;
 }
 
@@ -124,6 +131,7 @@ SceneRequirement requirement_of(const DocumentNode& object, const fs::path& fold
                           .options = {},
                           .region = {},
                           .arm_time = {},
+                          .tool_radius = {},
                           .playback = {}};
   if (const auto playback = object.find("playback"))
     documents::read_fields(*playback, fields_of(result.playback));
@@ -136,6 +144,11 @@ SceneRequirement requirement_of(const DocumentNode& object, const fs::path& fold
   };
   read("surface_error", kLengths, options.max_surface_error);
   read("size", kSizes, options.max_size);
+  read("tool_radius", kLengths, result.tool_radius);
+  if (const auto size = require->find("picture_size")) {
+    options.picture_size = quantity_above_zero(*size, kPixels);
+    if (*options.picture_size < 1) size->refuse("at least \"1 px\"");
+  }
   read("largest_force", kForces, options.largest_force);
   read("largest_depth", kLengths, options.largest_depth);
   read("arm_time", kTimes, result.arm_time);
@@ -231,6 +244,26 @@ std::vector<Vector3d> touched(const geometry::TriangleMesh& surface, const Scene
   return places;
 }
 
+// A segment to a vertex ends at its own triangles, within this relative to its length.
+constexpr double kOwnTriangles = 1e-6;
+
+std::vector<bool> seen_vertices(const geometry::TriangleMesh& surface, const Vector3d& camera) {
+  const geometry::SurfaceQuery query(surface);
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(surface);
+  std::vector<bool> seen(static_cast<std::size_t>(surface.vertices.cols()));
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    for (const int v : surface.triangles.col(t))
+      if (normals.col(t).dot(camera - surface.vertices.col(v)) > 0)
+        seen[static_cast<std::size_t>(v)] = true;
+  }
+  for (std::size_t v = 0; v < seen.size(); ++v) {
+    if (!seen[v]) continue;
+    const auto hit = query.first_hit(camera, surface.vertices.col(static_cast<Eigen::Index>(v)));
+    seen[v] = !hit || hit->fraction >= 1 - kOwnTriangles;
+  }
+  return seen;
+}
+
 }  // namespace
 
 std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
@@ -238,11 +271,14 @@ std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
   geometry::check_mesh(surface, "reachable_vertices(): surface");
   const std::vector<Vector3d> places =
       region.path.empty() ? std::vector<Vector3d>{} : touched(surface, region);
+  const std::vector<bool> seen =
+      region.camera ? seen_vertices(surface, *region.camera) : std::vector<bool>{};
   std::vector<bool> result(static_cast<std::size_t>(surface.vertices.cols()));
   for (std::size_t v = 0; v < result.size(); ++v) {
     const Vector3d vertex = surface.vertices.col(static_cast<Eigen::Index>(v));
     result[v] = (!region.box || region.box->contains(vertex)) &&
                 (!region.side || region.side->signedDistance(vertex) <= 0) &&
+                (seen.empty() || seen[v]) &&
                 (places.empty() || std::ranges::any_of(places, [&](const Vector3d& place) {
                    return (place - vertex).norm() <= (1 + kApart) * region.margin;
                  }));

@@ -144,12 +144,11 @@ TEST_F(BudgetOfASheet, HasOnlyThePartsThatItsProbingLeaves) {
 
 // Each contact states its errors, and its fit says how much of them noise explains.
 TEST(ErrorBudget, PartsAddUpToWhatTheModelStates) {
-  Model model = ball_model([](const Vector3d&) { return true; }, [](int) { return 0.5; },
-                           60, 4);
+  Model model = ball_model([](const Vector3d&) { return true; }, [](int) { return 0.5; }, 60, 4);
   model.noise = MeasurementNoise{.force = 0.01, .displacement = 0.02};
   for (ContactModel& contact : model.contacts) {
-    contact.uncertainty = ContactUncertainty{
-        .force = 0.02, .displacement = 0.03, .across = 0.1, .between = 0.004};
+    contact.uncertainty =
+        ContactUncertainty{.force = 0.02, .displacement = 0.03, .across = 0.1, .between = 0.004};
     contact.samples = 600;
     contact.noise_floor = 0.016;
     contact.chi2 = 2;  // the misfit is 0.016^2 (2 - 1 - 2 / 30)
@@ -185,8 +184,7 @@ TEST(ErrorBudget, PartsAddUpToWhatTheModelStates) {
 
 // Four times as many contacts are half as far apart.
 TEST(ErrorBudget, ChangesOnlyWhatLiesBetweenContactsWithTheirNumber) {
-  Model model =
-      ball_model([](const Vector3d&) { return true; }, [](int) { return 0.5; }, 60, 4);
+  Model model = ball_model([](const Vector3d&) { return true; }, [](int) { return 0.5; }, 60, 4);
   for (ContactModel& contact : model.contacts)
     contact.uncertainty = ContactUncertainty{.force = 0.02, .between = 0.004};
   const ErrorForecast forecast(model, {.largest_depth = 4, .strokes = 1000});

@@ -65,6 +65,25 @@ TEST(ReduceModel, StatesABoundOfTheDistanceBetweenTheSurfaces) {
   EXPECT_LE(distance.lower, reduced.surface_distance);
 }
 
+// A picture of fewer pixels tells less of the surface; the smaller of two limits holds.
+TEST(ReduceModel, KeepsTheSurfaceWithinAPixelOfAPicture) {
+  const Model fine = with_compliances(
+      ball_model([](const Vector3d&) { return true; }, [](int) { return 0.0; }, 20, 4), 3);
+  const double diagonal = geometry::bounding_diagonal(fine.surface);
+  const auto with = [&](double pixels, std::optional<double> error) {
+    return reduce_model(
+        fine,
+        {.max_error = 0.5, .max_surface_error = error, .picture_size = pixels, .strokes = 500});
+  };
+  const ReducedModel coarse = with(60, {}), sharp = with(600, {}),
+                     limited = with(60, diagonal / 600);
+  EXPECT_LE(coarse.surface_distance, diagonal / 60);
+  EXPECT_GT(coarse.surface_distance, diagonal / 600);
+  EXPECT_LE(sharp.surface_distance, diagonal / 600);
+  EXPECT_LT(coarse.model.surface.vertices.cols(), sharp.model.surface.vertices.cols());
+  EXPECT_EQ(limited.model.surface.vertices, sharp.model.surface.vertices);
+}
+
 TEST(ReduceModel, LosesTheContactsThatTheToolCannotReach) {
   std::vector<bool> above;
   for (const auto& vertex : ball().surface.vertices.colwise()) above.push_back(vertex.z() > 0);

@@ -5,10 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/haptics/model_io.h"
 #include "sheet_model.h"
+#include "sphere_model.h"
 
 namespace palpate::haptics {
 namespace {
@@ -40,7 +43,9 @@ TEST_F(SceneRequirementTest, ReadsQuantitiesWithTheirUnits) {
   const SceneRequirement of = read(R"(
       force_error: 200 mN
       surface_error: 50 um
+      picture_size: 640 px
       size: 0.5 MB
+      tool_radius: 4 mm
       largest_force: 4N
       largest_depth: 1 cm
       slip: false
@@ -50,7 +55,9 @@ TEST_F(SceneRequirementTest, ReadsQuantitiesWithTheirUnits) {
   EXPECT_EQ(of.object, "sheet");
   EXPECT_DOUBLE_EQ(*of.options.max_error, 0.2);
   EXPECT_DOUBLE_EQ(*of.options.max_surface_error, 0.05);
+  EXPECT_DOUBLE_EQ(*of.options.picture_size, 640);
   EXPECT_DOUBLE_EQ(*of.options.max_size, 5e5);
+  EXPECT_DOUBLE_EQ(*of.tool_radius, 4);
   EXPECT_DOUBLE_EQ(*of.options.largest_force, 4);
   EXPECT_DOUBLE_EQ(*of.options.largest_depth, 10);
   EXPECT_FALSE(of.options.slip);
@@ -76,7 +83,10 @@ TEST_F(SceneRequirementTest, RefusesWhatCannotBe) {
               HasSubstr("line 6, at /objects/0/region: 'region' is unknown"));
   EXPECT_THAT(refused("      region: {margin: 2 mm}\n"), HasSubstr("'path' beside it"));
   EXPECT_THAT(refused("      region: {path: path.csv}\n"), HasSubstr("'margin' beside it"));
-  EXPECT_THAT(refused("      region: {}\n"), HasSubstr("'box', 'side' or 'path'"));
+  EXPECT_THAT(refused("      region: {}\n"), HasSubstr("'box', 'side', 'camera' or 'path'"));
+  EXPECT_THAT(refused("      picture_size: 0.5 px\n"), HasSubstr("at least \"1 px\""));
+  EXPECT_THAT(refused("      picture_size: 640\n"), HasSubstr("its unit (px)"));
+  EXPECT_THAT(refused("      region: {camera: [0, 0]}\n"), HasSubstr("x, y, z of its position"));
   EXPECT_THAT(refused("      region: {box: [0, 0, 0, 1, -1, 1]}\n"),
               HasSubstr("below the upper one"));
 }
@@ -136,6 +146,40 @@ TEST_F(SceneRequirementTest, FindsTheVerticesOfARegion) {
   expect(of("{path: path.csv, margin: 12 mm}"), [](const Vector3d& at) {
     return (at - Vector3d(3, 4, 700)).norm() <= 12 || (at - Vector3d(8, 4, 700)).norm() <= 12;
   });
+}
+
+// A camera at the origin. A plate half way to the sheet throws a shadow twice its size.
+TEST_F(SceneRequirementTest, FindsTheVerticesThatACameraSees) {
+  const SceneRegion region = *read("      region: {camera: [0, 0, 0]}\n").region;
+  geometry::TriangleMesh both = flat_surface();
+  const Eigen::Index sheet = both.vertices.cols();
+  both.vertices.conservativeResize(3, sheet + 4);
+  both.vertices.rightCols<4>() << -17, 17, -17, 17, -17, -17, 17, 17, 350, 350, 350, 350;
+  const int first = static_cast<int>(sheet);
+  both.triangles.conservativeResize(3, both.triangles.cols() + 2);
+  both.triangles.rightCols<2>() << first, first + 1, first + 2, first + 2, first + 1, first + 3;
+  const std::vector<bool> seen = reachable_vertices(both, region);
+  for (Eigen::Index v = 0; v < both.vertices.cols(); ++v) {
+    const Vector3d at = both.vertices.col(v);
+    const bool in_shadow = v < sheet && std::abs(at.x()) < 34 && std::abs(at.y()) < 34;
+    EXPECT_EQ(seen[static_cast<std::size_t>(v)], !in_shadow) << at.transpose();
+  }
+}
+
+// Those nearer than the horizon, which is where lines from the camera touch the ball.
+TEST_F(SceneRequirementTest, FindsTheNearSideOfABall) {
+  const geometry::TriangleMesh ball =
+      ball_model([](const Vector3d&) { return true; }, [](int) { return 0.0; }, 20, 4).surface;
+  const Eigen::AlignedBox3d box = geometry::bounding_box(ball);
+  const double radius = box.sizes().maxCoeff() / 2;
+  SceneRegion region;
+  region.camera = box.center() + Vector3d(0, 0, 4 * radius);
+  const std::vector<bool> seen = reachable_vertices(ball, region);
+  for (std::size_t v = 0; v < seen.size(); ++v) {
+    const double height = ball.vertices(2, static_cast<Eigen::Index>(v)) - box.center().z();
+    if (std::abs(height - radius / 4) > 0.1 * radius)  // about an edge of the mesh
+      EXPECT_EQ(seen[v], height > radius / 4) << height;
+  }
 }
 
 TEST_F(SceneRequirementTest, RefusesARegionThatIsNotOnTheSurface) {

@@ -54,6 +54,7 @@ struct ObjectPlan {
   std::optional<double> allowed = {};  ///< [N] the error planned for: less if the model is reduced
   double raised = 1;  ///< how many times larger the planned error is than `allowed`; >= 1
   PlanLimit limit = PlanLimit::none;
+  double force = 0;                    ///< [N] RMS of the forces that the errors belong to
   double of_contacts = 0;              ///< [N] the error that no further contact removes
   ErrorBudget budget = {};             ///< the sources of `planned.error`
   std::vector<PlannedContacts> curve;  ///< of other numbers of contacts, ascending

@@ -19,6 +19,7 @@ struct ReduceOptions {
   std::optional<double> max_error = std::nullopt;
   std::optional<double> max_relative_error = std::nullopt;
   std::optional<double> max_surface_error = std::nullopt;
+  std::optional<double> picture_size = std::nullopt;
   std::optional<double> max_size = std::nullopt;
   std::optional<double> largest_force = std::nullopt;
   std::optional<double> largest_depth = std::nullopt;

@@ -20,13 +20,15 @@ struct SceneRegion {
   std::optional<Eigen::AlignedBox3d> box;  ///< [mm]
   /// The side of a plane to which its normal (of any length) points: its offset is <= 0 there.
   std::optional<Eigen::Hyperplane<double, 3>> side;
+  std::optional<Eigen::Vector3d> camera;  ///< [mm] vertices that a camera there sees
   /// Positions of the tool [mm]: places within `margin` of those that the tool touches.
   std::vector<Eigen::Vector3d> path;
   double margin = 0;  ///< [mm] > 0, with a path
 };
 
 /// Returns for each vertex of a surface whether it lies in a region. A tool of a path touches where
-/// it is behind the nearest triangle, or within the margin of it.
+/// it is behind the nearest triangle, or within the margin of it. A camera sees a vertex if one of
+/// its triangles faces it and the surface is not between them.
 /// \throws InvalidInput if no triangle has all its vertices there, stating where the surface is, or
 /// how far away the path is.
 [[nodiscard]] std::vector<bool> reachable_vertices(const geometry::TriangleMesh& surface,
@@ -38,8 +40,9 @@ struct SceneRequirement {
   std::filesystem::path model;  ///< folder, made relative to that of the scene file
   ReduceOptions options;
   std::optional<SceneRegion> region;
-  std::optional<double> arm_time;  ///< [s] for which an arm may probe it
-  PlaybackOptions playback;        ///< how the object is played
+  std::optional<double> arm_time;     ///< [s] for which an arm may probe it
+  std::optional<double> tool_radius;  ///< [mm] of the ball that touches it in the scene
+  PlaybackOptions playback;           ///< how the object is played
 };
 
 /// The requirements of a scene on all its objects together, and on each with a member `require`.
