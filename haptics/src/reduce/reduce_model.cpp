@@ -5,10 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "palpate/core/error.h"
@@ -27,8 +29,12 @@ namespace {
 
 // Their seeds begin that far from those of the others: beyond the largest number of strokes.
 constexpr std::uint64_t kOtherStrokes = 1U << 31;
-// Shares of the allowed mean square that fewer contacts, and then a coarser surface, may use.
-constexpr double kContactsShare = 0.6, kSurfaceShare = 0.2;
+// Shares of the allowed mean square that fewer contacts may use, and then a coarser surface. Which
+// of them makes the smallest model depends on the object: all are tried.
+struct SharesOfError {
+  double contacts, surface;
+};
+constexpr std::array<SharesOfError, 3> kSharesOfError{{{0.6, 0.2}, {0.6, 0.4}, {0.8, 0.2}}};
 // Of a model that states no error, relative to the force, if nothing is asked for.
 constexpr double kShareOfForce = 0.01;
 // Of the surface, relative to its diagonal: a pixel of a picture of 1000 pixels.
@@ -39,10 +45,12 @@ constexpr int kTolerances = 8;
 // is searched, up to 2^(1/8).
 constexpr double kMostRaised = 256;
 constexpr int kScaleHalvings = 3;
+// Number of errors of simpler fields that are tried, each half of the one before.
+constexpr int kFieldErrors = 6;
 // Number of reductions of the allowed error if strokes that did not choose find a larger one.
-constexpr int kCorrections = 6;
+constexpr int kCorrections = 10;
 // At least this much less each time.
-constexpr double kCorrection = 0.75;
+constexpr double kCorrection = 0.9;
 // Errors that differ by less are the same, relative to them.
 constexpr double kRounding = 1e-9;
 // Models that are tried, for the progress; it waits below the end if there are more.
@@ -122,8 +130,9 @@ struct Source {
 };
 
 // Puts the model on the coarsest surface with which it feels alike.
-void coarsen(Source& source, const Allowed& allowed, ReducedModel& result) {
-  const double most = std::hypot(result.rms_of_contacts, std::sqrt(kSurfaceShare) * allowed.force);
+// \param share of the allowed mean square that it may use.
+void coarsen(Source& source, const Allowed& allowed, double share, ReducedModel& result) {
+  const double most = std::hypot(result.rms_of_contacts, std::sqrt(share) * allowed.force);
   double tolerance = allowed.surface;
   for (int i = 0; i < kTolerances && tolerance > 0; ++i, tolerance /= 2) {
     const geometry::Decimation& coarse = source.surface(tolerance);
@@ -146,7 +155,7 @@ void simplify(const Source& source, std::span<const std::size_t> kept, const All
   double error = std::sqrt(
       std::max(0.0, std::pow(allowed.force, 2) - std::pow(result.rms_of_contacts_and_surface, 2)));
   const Model before = result.model;
-  for (int i = 0; i < kCorrections; ++i, error /= 2) {
+  for (int i = 0; i < kFieldErrors; ++i, error /= 2) {
     result.model = before;
     result.simpler_fields = simplify_fields(result.model, error, depths);
     const double now = source.choosing.difference(result.model).rms;
@@ -167,22 +176,33 @@ std::vector<long long> ids_without(const Model& model, std::span<const std::size
   return ids;
 }
 
-ReducedModel reduced_within(Source& source, const Allowed& allowed) {
-  ReducedModel result;
-  const ThinnedContacts thinned =
-      source.thinning.within(std::sqrt(kContactsShare) * allowed.force, source.tried);
-  result.model = thinned.model;
-  result.rms_of_contacts = thinned.error;
-  result.rms_of_contacts_and_surface = thinned.error;
-  if (allowed.force > 0) {
-    coarsen(source, allowed, result);
-    simplify(source, thinned.kept, allowed, result);
-  }
-  result.out_of_reach = ids_without(source.model, source.beyond, thinned.kept);
-  result.predicted = ids_without(source.model, source.in_reach, thinned.kept);
+// What remains of contacts and surface, with simpler fields.
+void complete(const Source& source, std::span<const std::size_t> kept, const Allowed& allowed,
+              ReducedModel& result) {
+  if (allowed.force > 0) simplify(source, kept, allowed, result);
+  result.out_of_reach = ids_without(source.model, source.beyond, kept);
+  result.predicted = ids_without(source.model, source.in_reach, kept);
   if (source.model.response && source.options.keep_shapes)
-    result.model.response = reduced_response(source.model, result.model.surface, thinned.kept);
-  return result;
+    result.model.response = reduced_response(source.model, result.model.surface, kept);
+  result.size_after = folder_size(result.model);
+}
+
+ReducedModel reduced_within(Source& source, const Allowed& allowed) {
+  std::optional<ReducedModel> smallest;
+  std::set<std::pair<std::vector<std::size_t>, double>> known;  // contacts and surfaces
+  for (const SharesOfError& shares : kSharesOfError) {
+    const ThinnedContacts thinned =
+        source.thinning.within(std::sqrt(shares.contacts) * allowed.force, source.tried);
+    ReducedModel result;
+    result.model = thinned.model;
+    result.rms_of_contacts = thinned.error;
+    result.rms_of_contacts_and_surface = thinned.error;
+    if (allowed.force > 0) coarsen(source, allowed, shares.surface, result);
+    if (!known.emplace(thinned.kept, result.surface_distance).second) continue;
+    complete(source, thinned.kept, allowed, result);
+    if (!smallest || result.size_after < smallest->size_after) smallest = std::move(result);
+  }
+  return *std::move(smallest);
 }
 
 // [mm] The least of what is asked for.
