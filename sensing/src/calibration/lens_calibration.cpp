@@ -13,7 +13,7 @@ namespace palpate::sensing {
 namespace {
 
 int fixed_terms(int distortion_terms) {
-  int flags = 0;
+  int flags = cv::CALIB_USE_LU;  // for each step; the default, SVD, takes far longer
   if (distortion_terms < 5) flags |= cv::CALIB_FIX_K3;
   if (distortion_terms < 4) flags |= cv::CALIB_ZERO_TANGENT_DIST;
   if (distortion_terms < 2) flags |= cv::CALIB_FIX_K1 | cv::CALIB_FIX_K2;
@@ -56,7 +56,7 @@ LensCalibration calibrate_lens(const std::vector<Eigen::Matrix2Xd>& board,
   LensCalibration result;
   result.lens = lens;
   constexpr int kMostSteps = 100;
-  constexpr double kLastStep = 1e-12;  // relative change of the parameters
+  constexpr double kLastStep = 1e-9;  // relative change of the parameters
   const QuietOpenCv quiet;
   try {
     result.rms = cv::calibrateCamera(

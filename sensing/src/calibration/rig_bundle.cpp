@@ -237,7 +237,6 @@ Bundle refine_bundle(const Bundle& start, const std::vector<BundleView>& views,
   constexpr int kMaxIterations = 200;
   constexpr double kStart = 1e-3;    // relative to the columns' norms
   constexpr double kHopeless = 1e6;  // damping at which only rounding prevents a smaller cost
-  constexpr double kGain = 1e-12;    // smallest relative decrease of the cost that justifies a step
   Bundle best = start;
   double cost = cost_of(best, views, options);
   if (!std::isfinite(cost)) throw SolverError("rig calibration: the start is not finite");
@@ -253,7 +252,7 @@ Bundle refine_bundle(const Bundle& start, const std::vector<BundleView>& views,
     best = next;
     cost = next_cost;
     damping /= 10;
-    if (gain <= kGain * (cost + gain)) break;
+    if (gain <= options.least_gain * (cost + gain)) break;
   }
   return best;
 }

@@ -33,6 +33,8 @@ struct BundleOptions {
   int distortion_terms = 5;    ///< 0, 2, 4 or 5
   double camera_sigma = 1;     ///< px, > 0: standard deviation of a coordinate
   double projector_sigma = 1;  ///< px, > 0
+  /// Smallest relative decrease of the cost that justifies a further step.
+  double least_gain = 1e-12;
 };
 
 /// Observed minus predicted [px], 2 x N and 2 x M.

@@ -174,8 +174,12 @@ RigFit fit_rig(const std::vector<RigView>& views, const ImageSize& camera_size,
   set_sigmas(fit.options, sum_squares(fit.bundle, fit.views), views.size());
   // Weights, deviations and residuals depend on each other; after these rounds none changes.
   constexpr int kRounds = 5;
+  // The rounds before the last one only need a thousandth of a standard deviation.
+  constexpr double kFirstGain = 1e-9;
   for (int round = 0; round < kRounds; ++round) {
-    fit.bundle = refine_bundle(fit.bundle, fit.views, fit.options);
+    BundleOptions options = fit.options;
+    if (round + 1 < kRounds) options.least_gain = kFirstGain;
+    fit.bundle = refine_bundle(fit.bundle, fit.views, options);
     set_weights(fit.bundle, fit.views);
     set_sigmas(fit.options, sum_squares(fit.bundle, fit.views), views.size());
     fit.options.projector_sigma *= std::sqrt(correlation_of(fit.bundle, fit.views));
