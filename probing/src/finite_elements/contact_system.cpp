@@ -150,8 +150,10 @@ ContactSystem::ContactSystem(const DeformableBody& body, const EquilibriumOption
       options_(options),
       faces_of_element_(static_cast<std::size_t>(body.mesh.elements.cols())),
       fixed_(static_cast<std::size_t>(body.mesh.nodes.cols()), false) {
-  for (Eigen::Index e = 0; e < body.mesh.elements.cols(); ++e)
+  for (Eigen::Index e = 0; e < body.mesh.elements.cols(); ++e) {
     points_.push_back(tetrahedron_points(element_nodes(body.mesh, body.mesh.nodes, e)));
+    packed_points_.emplace_back(points_.back());
+  }
   std::map<int, std::shared_ptr<const FaceRule>> rules;
   int next_point = 0;
   for (const BoundaryFace& face : boundary_faces(body.mesh)) {
@@ -172,7 +174,7 @@ SystemForces ContactSystem::forces(const Eigen::Matrix3Xd& positions, const Eige
   for (Eigen::Index e = 0; e < body_.mesh.elements.cols(); ++e) {
     const auto region = static_cast<std::size_t>(body_.mesh.regions[static_cast<std::size_t>(e)]);
     const ElementForce element =
-        element_force(points_[static_cast<std::size_t>(e)], body_.materials[region],
+        element_force(packed_points_[static_cast<std::size_t>(e)], body_.materials[region],
                       element_nodes(body_.mesh, positions, e));
     if (!element.valid) return result;
     for (int a = 0; a < 10; ++a) nodes.col(body_.mesh.elements(a, e)) += element.force.col(a);
@@ -271,7 +273,7 @@ double ContactSystem::elastic_energy(const Eigen::Matrix3Xd& positions) const {
   double sum = 0;
   for (Eigen::Index e = 0; e < body_.mesh.elements.cols(); ++e) {
     const auto region = static_cast<std::size_t>(body_.mesh.regions[static_cast<std::size_t>(e)]);
-    sum += element_force(points_[static_cast<std::size_t>(e)], body_.materials[region],
+    sum += element_force(packed_points_[static_cast<std::size_t>(e)], body_.materials[region],
                          element_nodes(body_.mesh, positions, e))
                .energy;
   }

@@ -70,6 +70,7 @@ class ContactSystem {
   const DeformableBody& body_;
   EquilibriumOptions options_;
   std::vector<TetrahedronPoints> points_;
+  std::vector<PackedPoints> packed_points_;  // the same
   std::vector<ContactFace> faces_;
   std::vector<std::vector<int>> faces_of_element_;
   std::vector<bool> fixed_;

@@ -163,23 +163,25 @@ class Dissection {
   FrontTree tree_;
 };
 
-// Adds a block of a symmetric matrix to the lower half of a front.
-void add_block(const Eigen::Ref<const Eigen::Matrix3d>& block, int row, int column,
-               Eigen::MatrixXd& front) {
+// Adds a block of a symmetric matrix to the lower half of a front: to the columns of its own nodes,
+// or behind them to the part of its border.
+void add_block(const Eigen::Ref<const Eigen::Matrix3d>& block, int row, int column, int own,
+               FrontFactor& front) {
+  const int low = std::max(row, column), left = std::min(row, column);
+  auto entries = left < own ? front.columns.block<3, 3>(3 * low, 3 * left)
+                            : front.update.block<3, 3>(3 * (low - own), 3 * (left - own));
   if (row >= column) {
-    front.block<3, 3>(3 * row, 3 * column) += block;
+    entries += block;
   } else {
-    front.block<3, 3>(3 * column, 3 * row) += block.transpose();
+    entries += block.transpose();
   }
 }
 
-// Eliminates the first `own` unknowns of a symmetric matrix, given by its lower half.
-void eliminate(Eigen::MatrixXd& matrix, Eigen::Index own, FrontFactor& factor, double& shift) {
+// Eliminates the own unknowns of a symmetric matrix, given by its lower half.
+void eliminate(FrontFactor& factor, double& shift) {
   constexpr double kFirstShift = 1e-3;  // of the mean diagonal entry, added where the matrix is not
                                         // positive definite; then four times as much each time
-  const Eigen::Index rest = matrix.rows() - own;
-  factor.columns = matrix.leftCols(own);
-  factor.update = matrix.bottomRightCorner(rest, rest);
+  const Eigen::Index own = factor.columns.cols(), rest = factor.update.rows();
   if (own == 0) return;
   auto pivot = factor.columns.topRows(own);
   double added = kFirstShift * pivot.diagonal().cwiseAbs().mean();
@@ -210,7 +212,11 @@ void factor_fronts(const FrontTree& tree, const NestedProblem& problem,
     int next = 0;
     for (const std::vector<int>* group : {&front.own, &front.border})
       for (const int node : *group) place[static_cast<std::size_t>(node)] = next++;
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(3 * next, 3 * next);
+    // The root eliminates nothing.
+    const int own = f == tree.root_front() ? 0 : static_cast<int>(front.own.size());
+    FrontFactor& factor = factors.fronts[static_cast<std::size_t>(f)];
+    factor.columns.setZero(3 * next, 3 * own);
+    factor.update.setZero(3 * (next - own), 3 * (next - own));
     for (const int e : front.elements) {
       const ElementMatrix element = tangents(e);
       for (int a = 0; a < 10; ++a) {
@@ -218,7 +224,7 @@ void factor_fronts(const FrontTree& tree, const NestedProblem& problem,
         if (row < 0) continue;
         for (int b = 0; b <= a; ++b) {
           const int column = place[static_cast<std::size_t>(problem.elements(b, e))];
-          if (column >= 0) add_block(element.block<3, 3>(3 * a, 3 * b), row, column, matrix);
+          if (column >= 0) add_block(element.block<3, 3>(3 * a, 3 * b), row, column, own, factor);
         }
       }
     }
@@ -231,18 +237,16 @@ void factor_fronts(const FrontTree& tree, const NestedProblem& problem,
         const auto from = static_cast<Eigen::Index>(3 * b);
         for (std::size_t a = b; a < border.size(); ++a) {
           const int row = place[static_cast<std::size_t>(border[a])];
-          add_block(update.block<3, 3>(static_cast<Eigen::Index>(3 * a), from), row, column,
-                    matrix);
+          add_block(update.block<3, 3>(static_cast<Eigen::Index>(3 * a), from), row, column, own,
+                    factor);
         }
       }
       update.resize(0, 0);
     }
-    const auto own = static_cast<Eigen::Index>(3 * front.own.size());
-    FrontFactor& factor = factors.fronts[static_cast<std::size_t>(f)];
     if (f == tree.root_front()) {
-      factor.update = matrix.selfadjointView<Eigen::Lower>();
+      factor.update.triangularView<Eigen::StrictlyUpper>() = factor.update.transpose();
     } else {
-      eliminate(matrix, own, factor, factors.shift);
+      eliminate(factor, factors.shift);
     }
     for (const std::vector<int>* group : {&front.own, &front.border})
       for (const int node : *group) place[static_cast<std::size_t>(node)] = -1;

@@ -68,6 +68,59 @@ ElementKinematics kinematics(const TetrahedronPoints& points, const ElementNodes
   return result;
 }
 
+using Lanes = PackedPoints::Lanes;
+using LaneMatrix = std::array<std::array<Lanes, 3>, 3>;  // a matrix of each point, by rows
+
+LaneMatrix deformation(const PackedPoints& points, const ElementNodes& positions) {
+  LaneMatrix f;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    Lanes x = positions(row, 0) * points.gradients[0][0],
+          y = positions(row, 0) * points.gradients[0][1],
+          z = positions(row, 0) * points.gradients[0][2];
+    for (std::size_t a = 1; a < 10; ++a) {
+      const double at = positions(row, static_cast<Eigen::Index>(a));
+      x += at * points.gradients[a][0];
+      y += at * points.gradients[a][1];
+      z += at * points.gradients[a][2];
+    }
+    f[i] = {x, y, z};
+  }
+  return f;
+}
+
+LaneMatrix cofactor(const LaneMatrix& f) {
+  LaneMatrix h;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+      h[i][k] = f[i1][k1] * f[i2][k2] - f[i2][k1] * f[i1][k2];
+    }
+  }
+  return h;
+}
+
+Lanes squared_norm(const LaneMatrix& m) {
+  Lanes sum = Lanes::Zero();
+  for (const auto& row : m)
+    for (const Lanes& entry : row) sum += entry * entry;
+  return sum;
+}
+
+// F F^T F
+LaneMatrix times_own_square(const LaneMatrix& f) {
+  LaneMatrix result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::array<Lanes, 3> across;  // a row of F F^T
+    for (std::size_t k = 0; k < 3; ++k)
+      across[k] = f[i][0] * f[k][0] + f[i][1] * f[k][1] + f[i][2] * f[k][2];
+    for (std::size_t k = 0; k < 3; ++k)
+      result[i][k] = across[0] * f[0][k] + across[1] * f[1][k] + across[2] * f[2][k];
+  }
+  return result;
+}
+
 }  // namespace
 
 Eigen::Matrix<double, 10, 1> shape_functions(const Eigen::Vector4d& place) {
@@ -111,32 +164,57 @@ double shape_quality(const ElementNodes& nodes) {
   return sum > 0 ? least / (sum / 4) : -1;
 }
 
-ElementForce element_force(const TetrahedronPoints& points, const Hyperelastic& material,
+PackedPoints::PackedPoints(const TetrahedronPoints& points) {
+  for (std::size_t p = 0; p < 4; ++p) {
+    const auto lane = static_cast<Eigen::Index>(p);
+    weights[lane] = points[p].weight;
+    for (std::size_t a = 0; a < 10; ++a)
+      for (std::size_t i = 0; i < 3; ++i)
+        gradients[a][i][lane] =
+            points[p].gradients(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(a));
+  }
+}
+
+ElementForce element_force(const PackedPoints& points, const Hyperelastic& material,
                            const ElementNodes& positions) {
   ElementForce result;
-  const ElementKinematics k = kinematics(points, positions);
-  result.valid = k.valid;
-  if (!k.valid) return result;
-  const VolumetricStress volumetric = volumetric_stress(material, k.mean_ratio);
-  result.energy = k.volume * volumetric.energy;
-  result.force.setZero();
+  const LaneMatrix f = deformation(points, positions);
+  const LaneMatrix h = cofactor(f);
+  const Lanes j = f[0][0] * h[0][0] + f[1][0] * h[1][0] + f[2][0] * h[2][0];
+  result.valid = (j > 0).all();
+  if (!result.valid) return result;
+  const double volume = points.weights.sum();
+  const VolumetricStress volumetric =
+      volumetric_stress(material, (points.weights * j).sum() / volume);
   const double c10 = (1 - material.mooney_share) * material.shear_modulus / 2;
   const double c01 = material.mooney_share * material.shear_modulus / 2;
-  for (std::size_t p = 0; p < 4; ++p) {
-    // The stress of `isochoric_stress`, without its tangent.
-    const auto& [f, h, j] = k.at[p];
-    const double i1 = f.squaredNorm(), scale = 1 / std::cbrt(j * j);
-    const double a = c10 * scale;
-    double energy = a * i1 - 3 * c10;
-    Eigen::Matrix3d stress = (2 * a) * f + (volumetric.stress - 2.0 / 3 * a * i1 / j) * h;
-    if (c01 > 0) {
-      const double i2 = h.squaredNorm(), b = c01 * scale * scale;
-      const Eigen::Matrix3d inner = i1 * f - f * (f.transpose() * f);  // (cof F) x F
-      stress += (2 * b) * inner - (4.0 / 3 * b * i2 / j) * h;
-      energy += b * i2 - 3 * c01;
-    }
-    result.energy += points[p].weight * energy;
-    result.force += points[p].weight * stress * points[p].gradients;
+  // The stress of `isochoric_stress`, without its tangent, is a multiple of F, one of cof F, and
+  // one of (cof F) x F.
+  const Lanes i1 = squared_norm(f), scale = (-2.0 / 3 * j.log()).exp(), a = c10 * scale;
+  Lanes energy = a * i1 - 3 * c10;
+  Lanes along_f = 2 * a, along_h = volumetric.stress - 2.0 / 3 * a * i1 / j;
+  LaneMatrix stress;
+  if (c01 > 0) {
+    const Lanes i2 = squared_norm(h), b = c01 * scale * scale;
+    along_f += 2 * b * i1;
+    along_h -= 4.0 / 3 * b * i2 / j;
+    energy += b * i2 - 3 * c01;
+    const LaneMatrix third = times_own_square(f);  // (cof F) x F = I1 F - F F^T F
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        stress[i][k] = along_f * f[i][k] + along_h * h[i][k] - 2 * b * third[i][k];
+  } else {
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k) stress[i][k] = along_f * f[i][k] + along_h * h[i][k];
+  }
+  result.energy = volume * volumetric.energy + (points.weights * energy).sum();
+  for (auto& row : stress)
+    for (Lanes& entry : row) entry *= points.weights;
+  for (std::size_t n = 0; n < 10; ++n) {
+    const auto& g = points.gradients[n];
+    for (std::size_t i = 0; i < 3; ++i)
+      result.force(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(n)) =
+          (stress[i][0] * g[0] + stress[i][1] * g[1] + stress[i][2] * g[2]).sum();
   }
   return result;
 }

@@ -23,6 +23,17 @@ using TetrahedronPoints = std::array<TetrahedronPoint, 4>;
 
 [[nodiscard]] TetrahedronPoints tetrahedron_points(const ElementNodes& nodes);
 
+// The same, the four points side by side, so that their forces are computed together.
+struct PackedPoints {
+  using Lanes = Eigen::Array4d;  // a number of each point
+
+  PackedPoints(
+      const TetrahedronPoints& points);  // NOLINT(*-explicit-*): another layout of the same
+
+  std::array<std::array<Lanes, 3>, 10> gradients;  // of each node, by each coordinate
+  Lanes weights;
+};
+
 // The ten shape functions at a place given by its barycentric coordinates.
 [[nodiscard]] Eigen::Matrix<double, 10, 1> shape_functions(const Eigen::Vector4d& place);
 
@@ -37,8 +48,7 @@ struct ElementForce {
   double energy = 0;   // [N mm]
   bool valid = false;  // all volumes are positive; if not, force and energy mean nothing
 };
-[[nodiscard]] ElementForce element_force(const TetrahedronPoints& points,
-                                         const Hyperelastic& material,
+[[nodiscard]] ElementForce element_force(const PackedPoints& points, const Hyperelastic& material,
                                          const ElementNodes& positions);
 
 // [N/mm] The derivative of the force, symmetric. The volumes must be positive.
