@@ -152,12 +152,14 @@ void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high
   Eigen::VectorXd cost(cells_.cols());
   Eigen::Index cell = 0;
   for (int i = 0; i < kAngles; ++i) {
+    const double angle = angles_[i], sine = std::sin(angle), cosine = std::cos(angle);
+    const double of_angle = std::pow((angle - prior_.angle) / prior_.angle_deviation, 2) / 2;
     for (int j = 0; j < kTilts; ++j) {
       for (int k = 0; k < kTilts; ++k, ++cell) {
-        const double angle = angles_[i], x = low[1] + step[1] * j, y = low[2] + step[2] * k;
-        cells_.col(cell) << std::sin(angle), std::cos(angle), x, y;
-        cost[cell] = std::pow((angle - prior_.angle) / prior_.angle_deviation, 2) / 2 +
-                     (x * x + y * y) / (2 * prior_.tilt_deviation * prior_.tilt_deviation);
+        const double x = low[1] + step[1] * j, y = low[2] + step[2] * k;
+        cells_.col(cell) << sine, cosine, x, y;
+        cost[cell] =
+            of_angle + (x * x + y * y) / (2 * prior_.tilt_deviation * prior_.tilt_deviation);
       }
     }
   }
