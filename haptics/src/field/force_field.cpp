@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "field/field_forces.h"
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 
@@ -65,6 +66,19 @@ Eigen::Vector3d force(const ForceField& field, const Eigen::Vector3d& displaceme
     const Eigen::Vector3d center = seen(base, base.center);
     const Eigen::Vector3d d = seen(base, displacement) - center;
     result += base.weight * (d / rounded_length(base, d) + center / rounded_length(base, center));
+  }
+  return result;
+}
+
+Eigen::Matrix3Xd field_forces(const ForceField& field, const Eigen::Matrix3Xd& displacements) {
+  Eigen::Matrix3Xd result = Eigen::Matrix3Xd::Zero(3, displacements.cols());
+  for (const Multiquadric& base : field.bases) {
+    const Eigen::Vector3d center = seen(base, base.center);
+    const Eigen::Vector3d at_zero = center / rounded_length(base, center);
+    for (Eigen::Index i = 0; i < displacements.cols(); ++i) {
+      const Eigen::Vector3d d = seen(base, displacements.col(i)) - center;
+      result.col(i) += base.weight * (d / rounded_length(base, d) + at_zero);
+    }
   }
   return result;
 }

@@ -3,6 +3,9 @@
 #include "fit/field_objective.h"
 
 #include <cmath>
+#include <vector>
+
+#include "field/field_forces.h"
 
 namespace palpate::haptics {
 namespace {
@@ -34,6 +37,14 @@ struct BaseDerivatives {
            (s * s);
   }
 };
+
+std::vector<BaseDerivatives> derivatives_at_zero(
+    const Eigen::Ref<const Eigen::VectorXd>& parameters) {
+  std::vector<BaseDerivatives> result;
+  for (Eigen::Index k = 0; k < parameters.size(); k += kBaseSize)
+    result.emplace_back(parameters, k, Eigen::Vector3d::Zero());
+  return result;
+}
 
 Eigen::Vector4d extended(const Eigen::Vector3d& v) { return {v[0], v[1], v[2], 0}; }
 
@@ -69,24 +80,24 @@ FieldFunction zero_function(Eigen::Index size) {
 }  // namespace
 
 double FieldObjective::value(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  const ForceField field = to_field(parameters);
+  const Eigen::Matrix3Xd found = field_forces(to_field(parameters), displacements);
   double sum = 0;
-  for (Eigen::Index i = 0; i < forces.cols(); ++i) {
-    sum += (force(field, displacements.col(i)) - forces.col(i)).squaredNorm();
-  }
+  for (Eigen::Index i = 0; i < forces.cols(); ++i)
+    sum += (found.col(i) - forces.col(i)).squaredNorm();
   return sum / (2 * static_cast<double>(forces.cols())) +
          weight_penalty / 2 * weights_only(parameters).squaredNorm();
 }
 
 Eigen::VectorXd FieldObjective::gradient(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  const ForceField field = to_field(parameters);
+  const Eigen::Matrix3Xd found = field_forces(to_field(parameters), displacements);
+  const std::vector<BaseDerivatives> at_zero = derivatives_at_zero(parameters);
   Eigen::VectorXd result = weight_penalty * weights_only(parameters);
   for (Eigen::Index i = 0; i < forces.cols(); ++i) {
-    const Eigen::Vector4d residual = extended((force(field, displacements.col(i)) - forces.col(i)) /
-                                              static_cast<double>(forces.cols()));
+    const Eigen::Vector4d residual =
+        extended((found.col(i) - forces.col(i)) / static_cast<double>(forces.cols()));
     for (Eigen::Index k = 0; k < parameters.size(); k += kBaseSize) {
-      const BaseDerivatives zero(parameters, k, Eigen::Vector3d::Zero());
+      const BaseDerivatives& zero = at_zero[static_cast<std::size_t>(k / kBaseSize)];
       const BaseDerivatives here(parameters, k, displacements.col(i));
       result[k] += (here.q - zero.q).dot(residual);
       result.segment<4>(k + 1) += parameters[k] * kSigns.cwiseProduct(here.slope_times(residual) -
@@ -97,14 +108,15 @@ Eigen::VectorXd FieldObjective::gradient(
 }
 
 Eigen::MatrixXd FieldObjective::hessian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  const ForceField field = to_field(parameters);
+  const Eigen::Matrix3Xd found = field_forces(to_field(parameters), displacements);
+  const std::vector<BaseDerivatives> at_zero = derivatives_at_zero(parameters);
   const Eigen::Index size = parameters.size();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
   Eigen::MatrixXd jacobian(size, 3 * forces.cols());  // one column per residual component
   for (Eigen::Index i = 0; i < forces.cols(); ++i) {
-    const Eigen::Vector4d residual = extended(force(field, displacements.col(i)) - forces.col(i));
+    const Eigen::Vector4d residual = extended(found.col(i) - forces.col(i));
     for (Eigen::Index k = 0; k < size; k += kBaseSize) {
-      const BaseDerivatives zero(parameters, k, Eigen::Vector3d::Zero());
+      const BaseDerivatives& zero = at_zero[static_cast<std::size_t>(k / kBaseSize)];
       const BaseDerivatives here(parameters, k, displacements.col(i));
       const Eigen::Matrix4d slope = kSigns.asDiagonal() * (here.slope() - zero.slope());
       jacobian.block<1, 3>(k, 3 * i) = (here.q - zero.q).head<3>().transpose();

@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "fit/whitened_problem.h"
-#include "palpate/core/quantile.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "field/field_forces.h"
+#include "palpate/core/quantile.h"
 
 namespace palpate::haptics {
 namespace {
@@ -68,11 +70,10 @@ void WhitenedProblem::adapt_spread(const ForceField& field) {
 }
 
 Eigen::VectorXd WhitenedProblem::residuals(const ForceField& field) const {
+  const Eigen::Matrix3Xd forces = field_forces(field, displacements_);
   Eigen::VectorXd result(3 * size());
-  for (Eigen::Index i = 0; i < size(); ++i) {
-    result.segment<3>(3 * i) =
-        whitening(i) * (force(field, displacements_.col(i)) - forces_.col(i));
-  }
+  for (Eigen::Index i = 0; i < size(); ++i)
+    result.segment<3>(3 * i) = whitening(i) * (forces.col(i) - forces_.col(i));
   return result;
 }
 
