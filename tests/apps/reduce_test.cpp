@@ -86,7 +86,7 @@ TEST_F(Reduce, TakesWhatASceneRequires) {
 
 TEST_F(Reduce, WarnsWhereNotEverythingCanHold) {
   const CommandResult result = run_palpate(
-      {"reduce", model, "--max-error", "0.01", "--strokes", "300", "-o", scratch / "small"});
+      {"reduce", model, "--max-error", "0.01", "--strokes", "100", "-o", scratch / "small"});
   EXPECT_EQ(result.status, kDone);
   EXPECT_THAT(result.err, HasSubstr("states an error of"));
 }
@@ -95,7 +95,7 @@ TEST_F(Reduce, RefusesACallThatContradictsItself) {
   write_text(scratch / "scene.yaml",
              "objects: [{name: a, model: " + model + ", require: {slip: 1}}]");
   const auto refused = [&](std::vector<std::string> more) {
-    std::vector<std::string> call{"reduce", model, "--strokes", "200", "-o", scratch / "small"};
+    std::vector<std::string> call{"reduce", model, "--strokes", "100", "-o", scratch / "small"};
     call.insert(call.end(), more.begin(), more.end());
     const CommandResult result = run_palpate(call);
     EXPECT_EQ(result.status, kWrongCall);

@@ -118,7 +118,8 @@ struct Source {
   std::vector<std::size_t> in_reach, beyond;  // contacts
   const PlayedStrokes& choosing;
   ContactThinning thinning;
-  std::vector<double> depths;  // [mm] of presses at the contacts
+  std::vector<double> depths;     // [mm] of presses at the contacts
+  std::vector<double> too_small;  // [N] error within which the contacts have no simpler fields
   std::function<void()> tried;
   std::map<double, geometry::Decimation> surfaces;  // by tolerance
 
@@ -148,16 +149,20 @@ void coarsen(Source& source, const Allowed& allowed, double share, ReducedModel&
 }
 
 // Gives contacts simpler fields, with what the other steps left of the allowed error.
-void simplify(const Source& source, std::span<const std::size_t> kept, const Allowed& allowed,
+void simplify(Source& source, std::span<const std::size_t> kept, const Allowed& allowed,
               ReducedModel& result) {
-  std::vector<double> depths;
-  for (const std::size_t i : kept) depths.push_back(source.depths[i]);
+  std::vector<double> depths, too_small;
+  for (const std::size_t i : kept) {
+    depths.push_back(source.depths[i]);
+    too_small.push_back(source.too_small[i]);
+  }
   double error = std::sqrt(
       std::max(0.0, std::pow(allowed.force, 2) - std::pow(result.rms_of_contacts_and_surface, 2)));
   const Model before = result.model;
   for (int i = 0; i < kFieldErrors; ++i, error /= 2) {
     result.model = before;
-    result.simpler_fields = simplify_fields(result.model, error, depths);
+    result.simpler_fields = simplify_fields(result.model, error, depths, too_small);
+    for (std::size_t k = 0; k < kept.size(); ++k) source.too_small[kept[k]] = too_small[k];
     const double now = source.choosing.difference(result.model).rms;
     source.tried();
     if (now <= allowed.force) return;
@@ -177,7 +182,7 @@ std::vector<long long> ids_without(const Model& model, std::span<const std::size
 }
 
 // What remains of contacts and surface, with simpler fields.
-void complete(const Source& source, std::span<const std::size_t> kept, const Allowed& allowed,
+void complete(Source& source, std::span<const std::size_t> kept, const Allowed& allowed,
               ReducedModel& result) {
   if (allowed.force > 0) simplify(source, kept, allowed, result);
   result.out_of_reach = ids_without(source.model, source.beyond, kept);
@@ -353,6 +358,7 @@ ReducedModel reduce_model(const Model& model, const ReduceOptions& given) {
                 .choosing = choosing,
                 .thinning = {model, in_reach, choosing.strokes, choosing.ends},
                 .depths = press_depths(model, settings),
+                .too_small = std::vector<double>(model.contacts.size(), -1),
                 .tried =
                     [&] {
                       done = std::min(done + 1, kUsualModels - 1);

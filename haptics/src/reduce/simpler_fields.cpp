@@ -83,10 +83,13 @@ void renew_values(Model& model) {
 
 }  // namespace
 
-int simplify_fields(Model& model, double error, std::span<const double> depths) {
-  std::vector<char> replaced(model.contacts.size());
+int simplify_fields(Model& model, double error, std::span<const double> depths,
+                    std::span<double> too_small) {
+  std::vector<char> replaced(model.contacts.size(), 0);
   parallel_for(replaced.size(), [&](std::size_t i) {
+    if (!too_small.empty() && error <= too_small[i]) return;
     replaced[i] = simplify(model.contacts[i], error, depths[i]) ? 1 : 0;
+    if (!too_small.empty() && replaced[i] == 0) too_small[i] = error;
   });
   const auto count = static_cast<int>(std::ranges::count(replaced, 1));
   if (count > 0) renew_values(model);

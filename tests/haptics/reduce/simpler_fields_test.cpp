@@ -58,5 +58,18 @@ TEST(SimplifyFields, LeaveAFieldThatHasNoSimplerOne) {
   EXPECT_EQ(uneven.contacts[2].field, uneven_model().contacts[2].field);
 }
 
+TEST(SimplifyFields, AreNotFittedAgainWithinAnErrorThatIsKnownToBeTooSmall) {
+  const ForceField twice = {{{.weight = 1, .epsilon = 8}, {.weight = 3, .epsilon = 8}}};
+  Model model = with_field(twice);
+  std::vector<double> too_small{-1, 0.01, 0.02, 0.005};
+  EXPECT_EQ(simplify_fields(model, 0.01, kDepths, too_small), 2);
+  EXPECT_EQ(too_small, (std::vector<double>{-1, 0.01, 0.02, 0.005}));
+  EXPECT_EQ(model.contacts[1].field, twice);
+  EXPECT_EQ(model.contacts[2].field, twice);
+  Model single = with_field(spring(4, 10));
+  EXPECT_EQ(simplify_fields(single, 0.1, kDepths, too_small), 0);
+  EXPECT_EQ(too_small, std::vector<double>(4, 0.1));
+}
+
 }  // namespace
 }  // namespace palpate::haptics
