@@ -91,7 +91,7 @@ class IdentifySolid : public ::testing::Test {
 
 TEST_F(IdentifySolid, WritesASpecimenFileThatOtherCommandsUse) {
   const std::vector<std::string> call{"identify",    acquisition, "--finite-elements", given,
-                                      "--max-pairs", "15",        "--mesh-pairs",      "2",
+                                      "--max-pairs", "8",         "--mesh-pairs",      "1",
                                       "-o",          card};
   std::vector<std::string> with_figures = call;
   with_figures.emplace_back("--json");
