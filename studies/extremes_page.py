@@ -55,14 +55,15 @@ tests assert memory always, and powers of time in the large size (`./dev check`)
 
 
 TRADES = """
-## Trades
+## Accuracy against cost
 
-Each knob that makes a result smaller or a call faster, from accurate to cheap, on the standard input. The tests assert that the
-cost falls, that the stated error does not, and that the error against an independent reference stays within the stated one.
+Options that make a result smaller or a call faster, each from accurate to cheap, on the standard input. Settings are in the unit
+of the stated error, or numbers. The tests check that the cost never rises and is lower at the end, that the stated error never
+falls, and that the error against an independent reference is within the stated one. Where the cost is empty, it is not counted.
 Statistical errors, such as the standard deviations of depths and forces, are compared on the pages of these subjects
 ([sensing](sensing-accuracy.md), [models](trade-model.md), [reduced models](reduce.md)).
 
-| knob | settings | cost | stated error | error | measured against |
+| option | settings | cost | stated error | error | measured against |
 |---|---|---|---|---|---|
 """
 

@@ -40,16 +40,17 @@ void warn_of_tool_radius(const haptics::SceneRequirement& requirement,
   if (!tool || tool == probe) return;
   if (!probe) {
     spdlog::warn(
-        "{}: how wrong the forces on a tool of {:g} mm are is not known: {} does not say with "
-        "which ball it was measured",
+        "{}: the error for a tool with a radius of {:g} mm is not known, because {} does not state "
+        "the radius of its probe",
         requirement.object, *tool, requirement.model.string());
     return;
   }
   const double missing = haptics::missing_force(*probe, *tool);
   spdlog::warn(
-      "{}: the model was measured with a ball of {:g} mm; on a solid, a tool of {:g} mm feels "
-      "{:.0f} % {} force (Hertz), on a thin membrane about the same. No error here includes that",
-      requirement.object, *probe, *tool, 100 * std::abs(missing), missing > 0 ? "more" : "less");
+      "{}: the model was measured with a ball with a radius of {:g} mm. With a radius of {:g} mm, "
+      "the force is {:.0f} % {} on a thick solid (Hertz), and about the same on a thin membrane. "
+      "The stated errors do not include this",
+      requirement.object, *probe, *tool, 100 * std::abs(missing), missing > 0 ? "higher" : "lower");
 }
 
 }  // namespace palpate::apps

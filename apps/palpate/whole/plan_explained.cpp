@@ -25,7 +25,7 @@ constexpr std::array kStated{
     StatedSource{"position_noise", "noise of the tool's positions",
                  &haptics::ErrorBudget::position_noise},
     StatedSource{"fit", "fits of the contacts", &haptics::ErrorBudget::fit},
-    StatedSource{"across", "directions that were not pressed", &haptics::ErrorBudget::across},
+    StatedSource{"across", "directions that were not measured", &haptics::ErrorBudget::across},
     StatedSource{"spacing", "distance between contacts", &haptics::ErrorBudget::spacing},
     StatedSource{"contrast", "blending of contacts that differ", &haptics::ErrorBudget::contrast}};
 
@@ -43,7 +43,7 @@ constexpr std::array kSurface{
     SurfaceSource{"registration", "registration along the surface",
                   &haptics::ErrorBudget::per_registration, &haptics::SurfaceErrors::registration}};
 
-// [mm] What a set-up is often wrong by, for those errors that are not given.
+// [mm] A usual error of a set-up, for those that are not given.
 constexpr double kExample = 0.1;
 
 struct BudgetRow {
@@ -56,7 +56,7 @@ struct BudgetRow {
 void add_explain_options(CLI::App& command, PlanExplanation& explanation) {
   CLI::Option* explain =
       command.add_flag("--explain", explanation.is_wanted,
-                       "Show from which source which part of the expected error comes");
+                       "List the sources of the expected error and their shares");
   const auto add_error = [&](const char* name, std::optional<double>& to, const char* what) {
     add_number(command, name, to, at_least(0).finite(), what)
         ->needs(explain)
@@ -66,8 +66,9 @@ void add_explain_options(CLI::App& command, PlanExplanation& explanation) {
             "Standard deviation of the depth of each vertex of the surface [mm]");
   add_error("--depth-offset", explanation.surface.depth_offset,
             "Standard deviation of the depth of the whole surface, from the calibration [mm]");
-  add_error("--registration", explanation.surface.registration,
-            "Root mean square of the shift between arm and camera along the surface [mm]");
+  add_error(
+      "--registration", explanation.surface.registration,
+      "Root mean square of the length of the shift between arm and camera along the surface [mm]");
 }
 
 Json budget_figures(const haptics::ErrorBudget& budget, const haptics::SurfaceErrors& known,
@@ -104,9 +105,10 @@ std::string budget_in_words(const haptics::ObjectPlan& plan, const haptics::Surf
   }
   std::ranges::stable_sort(rows, std::ranges::greater{}, &BudgetRow::error);
   const double total = budget.with(known);
-  std::string words =
-      fmt::format("Where the error with {} contacts comes from; the squares add up to {}:\n",
-                  plan.planned.contacts, newtons(total, 3));
+  std::string words = fmt::format(
+      "Sources of the expected error with {} contacts, {} in all (root of the sum of "
+      "squares; shares of the square):\n",
+      plan.planned.contacts, newtons(total, 3));
   for (const BudgetRow& row : rows) {
     if (row.error > 0) {
       words += fmt::format("  {:<36} {:>9} {:>5.0f} %\n", row.words, newtons(row.error, 3),
@@ -115,7 +117,7 @@ std::string budget_in_words(const haptics::ObjectPlan& plan, const haptics::Surf
   }
   if (!unknown.empty())
     words += fmt::format("Not included. {:.2g} mm would cause: {}.\n", kExample, unknown);
-  return words + fmt::format("The tolerance of slips in playback adds about {} at most.\n",
+  return words + fmt::format("The tolerance of slips in playback adds at most about {}.\n",
                              newtons(requirement.playback.tolerance));
 }
 

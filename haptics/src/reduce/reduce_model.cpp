@@ -317,7 +317,8 @@ void visit(ReduceOptions& options, FieldVisitor& visitor) {
       options.max_surface_error, at_least(0).finite());
   visitor.real(
       {"picture_size",
-       "Pixels across the picture in which the whole surface is shown: the surface may move by one",
+       "Pixels along the diagonal of the surface when all of it is shown: the surface may move by "
+       "one",
        "px"},
       options.picture_size, at_least(1).finite());
   visitor.real(

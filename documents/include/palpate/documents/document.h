@@ -14,7 +14,7 @@ namespace palpate::documents {
 /// Members keep the order that they have in the text.
 using Json = nlohmann::ordered_json;
 
-/// Where a value or member of a text stands, and how a word or number is written there: "0.50".
+/// Line of a value or of a member (a name with its value), and its spelling in the file: "0.50".
 struct DocumentPlace {
   int line = 0;  ///< from 1; of a member, the line of its name
   std::string text;
@@ -24,12 +24,12 @@ struct DocumentPlace {
 struct Document {
   Json value;
   std::string pointer;  ///< JSON pointer (RFC 6901) to `value` in the whole document
-  /// By JSON pointer; empty for JSON, whose parser does not tell them.
+  /// Places of the values by JSON pointer. Empty for JSON, whose parser does not report lines.
   std::map<std::string, DocumentPlace, std::less<>> places = {};
 };
 
-/// Parses a text in YAML. Words without quotes that JSON reads as a number, true, false or null are
-/// these, and all other words are texts.
+/// Parses a text in YAML. Words without quotes that are numbers, true, false or null in JSON get
+/// these values; all other words are texts.
 /// \param source names the text in messages.
 /// \throws FileError with the line if the text is not one document in YAML, has a member twice, or
 /// is nested more than 32 levels deep.
@@ -43,7 +43,7 @@ struct Document {
 /// \throws FileError naming `source` if the text is not JSON or has a member twice.
 [[nodiscard]] Document parse_json(const std::string& text, const std::string& source);
 
-/// Whether a name ends in .yaml or .yml.
+/// Returns true if a name ends in .yaml or .yml.
 [[nodiscard]] bool is_yaml(const std::filesystem::path& path);
 
 /// Reads a file that people write: YAML if `is_yaml`, JSON otherwise.

@@ -47,7 +47,7 @@ class DocumentNode {
   /// Refuses an object with another member than these.
   void expect_only(std::span<const std::string> known) const;
 
-  /// Finite and at most `kLargestDocumentNumber` in size.
+  /// Finite and at most `kLargestDocumentNumber` in magnitude.
   [[nodiscard]] double number() const;
   [[nodiscard]] double number(const Interval& range, std::string_view unit) const;
   [[nodiscard]] double number_at_least_zero() const;
@@ -79,7 +79,7 @@ class DocumentNode {
   [[noreturn]] void refuse(const std::string& right) const;
   /// \throws InvalidInput with the place and a sentence about the value.
   [[noreturn]] void fail(const std::string& what) const;
-  /// Returns the result of `check`; what that refuses gets the place of this value.
+  /// Returns the result of `check`. An InvalidInput that it throws gets the place of this value.
   template <typename Check>
   auto checked(const Check& check) const {
     try {
@@ -124,7 +124,8 @@ class DocumentMembers {
   std::vector<std::string> known_;
 };
 
-/// Returns the result of `read`, whose refusals get the name of the file.
+/// Returns the result of `read`. An InvalidInput that it throws becomes a FileError that names
+/// `source`.
 template <typename Read>
 auto in_file(const std::string& source, const Read& read) {
   try {

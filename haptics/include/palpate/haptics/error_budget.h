@@ -11,24 +11,24 @@ namespace palpate::haptics {
 struct SurfaceErrors {
   std::optional<double> depth_noise = std::nullopt;   ///< of the depth of each vertex on its own
   std::optional<double> depth_offset = std::nullopt;  ///< of the depth of the whole surface
-  std::optional<double> registration = std::nullopt;  ///< shift of the contacts along the surface
+  std::optional<double> registration = std::nullopt;  ///< RMS length of the shift of the contacts
 };
 
 /// The sources of the expected error of the force, each as a root mean square over the same random
-/// presses and drags (`ErrorForecast`). Independent sources: their squares add up.
+/// presses and drags (`ErrorForecast`). The sources are independent, so their squares add up.
 struct ErrorBudget {
   // [N] Parts of the error that the model states: of the force for a given displacement of a given
   // place of the surface.
   double force_noise = 0;     ///< noise of the force sensor that fits did not average out
   double position_noise = 0;  ///< the same of the positions of the tool
-  /// What the fields of contacts do not explain. Also the noise of the forces, where the model does
-  /// not tell them apart: it was reduced, or its measurements are not known.
+  /// Errors of the fits that noise does not explain. Includes the noise of the forces if the model
+  /// was reduced or its measurements are not known.
   double fit = 0;
   double across = 0;    ///< forces across the pressing, if the tool only pressed
-  double spacing = 0;   ///< what contacts do not tell about the places between them
+  double spacing = 0;   ///< of predicting places between contacts
   double contrast = 0;  ///< the same where the contacts around differ in stiffness
 
-  // [N/mm] What the errors of a set-up cause that no model states, for each mm of them.
+  // [N/mm] Error of the force for 1 mm of each error of the surface, which no model states.
   double per_depth_noise = 0;   ///< `SurfaceErrors::depth_noise`
   double per_depth_offset = 0;  ///< `SurfaceErrors::depth_offset`
   double per_registration = 0;  ///< `SurfaceErrors::registration`
