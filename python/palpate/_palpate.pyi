@@ -1124,6 +1124,7 @@ def reduce_model(
     max_error: float | None = ...,
     max_relative_error: float | None = ...,
     max_surface_error: float | None = ...,
+    picture_size: float | None = ...,
     max_size: float | None = ...,
     largest_force: float | None = ...,
     largest_depth: float | None = ...,

@@ -186,13 +186,13 @@ TEST_F(Plan, ExplainsFromWhichSourceTheExpectedErrorComes) {
 
 TEST_F(Plan, WarnsOfAToolThatIsNotTheProbe) {
   require("force_error: 0.3 N, tool_radius: 4 mm");
-  EXPECT_THAT(plan().err, HasSubstr("does not say with which ball it was measured"));
+  EXPECT_THAT(plan().err, HasSubstr("does not state the radius of its probe"));
   std::filesystem::copy(*measured / "model", scratch / "model");
   json field = json::parse(read_text(scratch / "model/field.json"));
   field["probe_radius"] = 3;
   write_text(scratch / "model/field.json", field.dump());
   require_of(scratch / "model", "force_error: 0.3 N, tool_radius: 4 mm");
-  EXPECT_THAT(plan().err, HasSubstr("a tool of 4 mm feels 15 % more force (Hertz)"));
+  EXPECT_THAT(plan().err, HasSubstr("the force is 15 % higher on a thick solid (Hertz)"));
 }
 
 TEST_F(Plan, RefusesWhatCannotBePlanned) {
