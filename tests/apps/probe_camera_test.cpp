@@ -23,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kSoftBody =
     R"({"type": "elastic_body", "young_modulus": 0.08, "poisson_ratio": 0.5, "size": 80})";
@@ -213,6 +214,26 @@ TEST_F(ProbeCamera, TrackingRefusesAnAcquisitionThatDoesNotBelongToTheRangeMaps)
   EXPECT_THAT(refused(campaign().store, surface),
               HasSubstr("mm from the reference; both must be in the frame of the camera"));
   EXPECT_FALSE(fs::exists(scratch / "tracked"));
+}
+
+TEST_F(ProbeCamera, TrackingWarnsOfRangeMapsThatTheCampaignDidNotRecord) {
+  const fs::path recorded = fs::path(campaign().store).parent_path() / "range",
+                 swapped = scratch.path() / "swapped";
+  fs::create_directory(swapped);
+  fs::copy_file(recorded / "rig.yaml", swapped / "rig.yaml");
+  fs::copy_file(recorded / "000001.tiff", swapped / "000000.tiff");
+  geometry::write_mesh(scratch / "reference.ply",
+                       probing::parse_specimen(kSoftBody, "")->surface());
+  const auto warning = [&](const fs::path& range, const std::string& output) {
+    return run_palpate({"track", range.string(), "--reference", scratch / "reference.ply",
+                        "--acquisition", campaign().store, "-o", scratch / output})
+        .err;
+  };
+  EXPECT_THAT(warning(swapped, "tracked"),
+              HasSubstr("000000.tiff: is not the range map that the campaign of"));
+  fs::copy_file(recorded / "000000.tiff", swapped / "000000.tiff",
+                fs::copy_options::overwrite_existing);
+  EXPECT_THAT(warning(swapped, "again"), Not(HasSubstr("is not the range map")));
 }
 
 TEST_F(ProbeCamera, RefusesWhatItCannotRecord) {

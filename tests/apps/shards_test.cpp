@@ -13,10 +13,10 @@
 #include <thread>
 #include <vector>
 
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/frame.h"
 #include "run_palpate.h"
-#include "shared/fingerprint.h"
 
 namespace palpate::apps {
 namespace {

@@ -15,6 +15,7 @@
 #include "models/fit_report.h"
 #include "models/fit_warnings.h"
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/geometry/edge_splitting.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
@@ -25,7 +26,6 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
 #include "shared/output_checks.h"
@@ -148,10 +148,11 @@ fs::path record_file(const fs::path& output) {
 
 /// All data and options that the fits depend on.
 Json settings_of(FitCall call) {
-  Json settings = {{"ACQUISITION", fingerprint(call.acquisition)},
-                   {"SURFACE", call.surface.empty() ? std::string() : fingerprint(call.surface)},
-                   {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
-                   {"version of palpate", PALPATE_VERSION}};
+  Json settings = {
+      {"ACQUISITION", file_fingerprint(call.acquisition)},
+      {"SURFACE", call.surface.empty() ? std::string() : file_fingerprint(call.surface)},
+      {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
+      {"version of palpate", PALPATE_VERSION}};
   settings.update(option_values(fields_of(call.options)));
   return settings;
 }

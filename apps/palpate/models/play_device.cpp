@@ -17,13 +17,13 @@
 #include "models/device_call.h"
 #include "models/play_scene.h"
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/haptics/device_run.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/scene_file.h"
 #include "palpate/haptics/scene_world.h"
 #include "palpate/haptics/trajectory_csv.h"
 #include "palpate/probing/arm_setup.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/interrupts.h"
 #include "shared/output_checks.h"
@@ -44,7 +44,7 @@ struct SceneOfDevice {
 Json prints_of(const SceneOfDevice& scene) {
   Json prints = Json::array();
   for (const fs::path& path : scene.file.sources)
-    prints.push_back({{"path", path.string()}, {"fingerprint", fingerprint(path)}});
+    prints.push_back({{"path", path.string()}, {"fingerprint", file_fingerprint(path)}});
   for (const fs::path& path : scene.file.models)
     prints.push_back({{"path", path.string()}, {"fingerprint", print_of_model(path)}});
   return prints;

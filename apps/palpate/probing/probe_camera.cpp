@@ -8,6 +8,7 @@
 
 #include "palpate/acquisition/virtual_camera.h"
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
@@ -15,7 +16,6 @@
 #include "seeing/simulate_scene.h"
 #include "shared/call_checks.h"
 #include "shared/field_options.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -38,7 +38,7 @@ fs::path panel_of(const fs::path& pattern) { return fs::path(pattern).replace_ex
 
 Json with_content(const fs::path& file) {
   if (!is_there(file)) throw FileError(file.string() + ": there is no such file");
-  return {{"path", fs::absolute(file).string()}, {"content", fingerprint(file)}};
+  return {{"path", fs::absolute(file).string()}, {"content", file_fingerprint(file)}};
 }
 
 fs::path path_of(const Json& camera, const char* option) {

@@ -12,13 +12,13 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/core/output_file.h"
 #include "palpate/core/quantile.h"
 #include "palpate/probing/csv.h"
 #include "seeing/decode_outputs.h"
 #include "shards/shard_journal.h"
 #include "shared/field_options.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -121,7 +121,9 @@ FileError no_record(const fs::path& file, const Json::exception& error, const ch
 }  // namespace
 
 Json decode_settings(DecodeSettings settings) {
-  const auto print_of = [](const fs::path& file) { return file.empty() ? "" : fingerprint(file); };
+  const auto print_of = [](const fs::path& file) {
+    return file.empty() ? "" : file_fingerprint(file);
+  };
   Json named = {{"version", PALPATE_VERSION},
                 {"--rig", print_of(settings.rig)},
                 {"--pattern", print_of(settings.pattern)},

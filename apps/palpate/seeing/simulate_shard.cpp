@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "palpate/core/file_fingerprint.h"
 #include "shards/shard_run.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/interrupts.h"
 #include "shared/progress.h"
@@ -53,7 +53,7 @@ void simulate_shard(const Settings& settings, const CLI::App& command, const Sim
   for (const Shot& shot : setup.shots) names.push_back(shot_name(call, shot));
   ShardCall shared = shard_call(command, call.output, *call.shard, names);
   for (const fs::path& image : panel_files(call, setup.pattern))
-    shared.settings[image.filename().string()] = fingerprint(image);
+    shared.settings[image.filename().string()] = file_fingerprint(image);
   shared.record = {{"images", setup.panels.size()}};
   const auto earlier = [](const fs::path& folder) {
     return is_there(folder / "frames") ? std::vector<fs::path>{"frames"} : std::vector<fs::path>{};

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "palpate/core/file_fingerprint.h"
 #include "shared/call_checks.h"
-#include "shared/fingerprint.h"
 
 namespace palpate::apps {
 namespace {
@@ -53,7 +53,7 @@ Json values_of(const CLI::Option& option) {
   Json values = Json::array();
   for (const std::string& value : option.results()) {
     std::error_code ignored;
-    values.push_back(fs::is_regular_file(value, ignored) ? fingerprint(value) : value);
+    values.push_back(fs::is_regular_file(value, ignored) ? file_fingerprint(value) : value);
   }
   return values;
 }
@@ -109,7 +109,7 @@ ShardCall shard_call(const CLI::App& command, const fs::path& output, const Shar
                  .settings = {{"version", PALPATE_VERSION},
                               {"number of shards", shard.count},
                               {"number of items", items.size()},
-                              {"list of items", fingerprint_of(names)}}};
+                              {"list of items", text_fingerprint(names)}}};
   for (const CLI::Option* option : given_options(command)) {
     call.words += in_shell(*option);
     const bool is_place = option->get_positional() || option->check_name("--output");

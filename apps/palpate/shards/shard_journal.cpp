@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/core/file_names.h"
 #include "palpate/core/output_file.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/run_record.h"
 
@@ -98,7 +98,7 @@ ShardFile measured(const fs::path& file, const fs::path& folder) {
                   .digest = {}};
   if (missing) throw FileError(file.string() + ": " + missing.message() + ".");
   if (folder.empty()) found.modified = fs::last_write_time(file).time_since_epoch().count();
-  found.digest = fingerprint(file);
+  found.digest = file_fingerprint(file);
   return found;
 }
 

@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "palpate/core/error.h"
-#include "shared/fingerprint.h"
+#include "palpate/core/file_fingerprint.h"
 #include "shared/progress.h"
 #include "shared/words.h"
 
@@ -35,13 +35,13 @@ void check_files(const ShardCall& call, const Shard& shard, const ShardItem& ite
     std::error_code missing;
     const std::uintmax_t bytes = fs::file_size(file, missing);
     if (missing) throw changed(call, shard, file, "was removed");
-    if (bytes != output.bytes || (verify && fingerprint(file) != output.digest))
+    if (bytes != output.bytes || (verify && file_fingerprint(file) != output.digest))
       throw changed(call, shard, file, "was changed");
   }
   if (!verify) return;
   for (const ShardFile& input : item.inputs) {
     const fs::path file = call.directory / input.path;
-    if (fingerprint(file) != input.digest) throw changed(call, shard, file, "was changed");
+    if (file_fingerprint(file) != input.digest) throw changed(call, shard, file, "was changed");
   }
 }
 

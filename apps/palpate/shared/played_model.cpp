@@ -10,9 +10,9 @@
 
 #include "palpate/core/error.h"
 #include "palpate/core/field_text.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playable.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/words.h"
 
@@ -45,8 +45,8 @@ std::shared_ptr<const haptics::Playback> playback_of(const fs::path& folder,
 
 std::string print_of_model(const fs::path& folder) {
   const fs::path json = folder / "field.json";
-  return fingerprint(is_there(json) ? json : folder / "field.cbor") +
-         fingerprint(folder / "surface.ply");
+  return file_fingerprint(is_there(json) ? json : folder / "field.cbor") +
+         file_fingerprint(folder / "surface.ply");
 }
 
 std::string session_text(const std::vector<fs::path>& models,

@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/core/file_names.h"
 #include "palpate/core/work_in_order.h"
 #include "shards/shard_run.h"
 #include "shared/field_options.h"
-#include "shared/fingerprint.h"
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
@@ -205,7 +205,7 @@ std::string camera_print(const MeshCall& call, const std::vector<fs::path>& maps
   std::string prints;
   for (const fs::path& folder : folders) {
     const fs::path rig = folder / "rig.yaml";
-    if (call.steps.camera.rig.empty() && is_there(rig)) prints += fingerprint(rig);
+    if (call.steps.camera.rig.empty() && is_there(rig)) prints += file_fingerprint(rig);
   }
   return prints;
 }

@@ -3,11 +3,14 @@
 #include "surfaces/tool_places.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/campaign_store.h"
 
 namespace palpate::apps {
 namespace {
@@ -24,7 +27,8 @@ int nearest_vertex(const geometry::TriangleMesh& surface, const geometry::Closes
 
 }  // namespace
 
-ToolPlaces::ToolPlaces(const fs::path& path, const geometry::TriangleMesh& surface) {
+ToolPlaces::ToolPlaces(const fs::path& path, const geometry::TriangleMesh& surface)
+    : acquisition_(path) {
   const probing::CheckedAcquisition acquisition = probing::read_acquisition(path);
   const geometry::SurfaceQuery query(surface);
   const double allowed = kBeside * geometry::bounding_box(surface).diagonal().norm();
@@ -44,6 +48,11 @@ ToolPlaces::ToolPlaces(const fs::path& path, const geometry::TriangleMesh& surfa
     known_[fs::path(*sample.range_map).filename().string()].push_back(
         {vertex, surface.vertices.col(vertex) + sample.b - from});
   }
+  // Only a campaign knows what it recorded; other acquisitions have names alone.
+  if (const auto campaign = probing::CampaignStore::find(path)) {
+    for (const auto& [name, fingerprint] : campaign->range_map_fingerprints())
+      fingerprints_[fs::path(name).filename().string()] = fingerprint;
+  }
   if (known_.empty()) {
     throw InvalidInput(path.string() +
                        ": no sample that held names a range map (range_map); expected the "
@@ -51,7 +60,21 @@ ToolPlaces::ToolPlaces(const fs::path& path, const geometry::TriangleMesh& surfa
   }
 }
 
-std::span<const geometry::KnownVertex> ToolPlaces::in(const fs::path& range_map) const {
+void ToolPlaces::check_is_recorded(const fs::path& range_map) {
+  const auto recorded = fingerprints_.find(range_map.filename().string());
+  if (has_warned_ || recorded == fingerprints_.end() ||
+      recorded->second == file_fingerprint(range_map))
+    return;
+  has_warned_ = true;
+  spdlog::warn(
+      "{}: is not the range map that the campaign of {} recorded under this name. Unless you "
+      "changed the range maps yourself, they belong to another campaign, and the contacts are "
+      "wrong.",
+      range_map.string(), acquisition_.string());
+}
+
+std::span<const geometry::KnownVertex> ToolPlaces::in(const fs::path& range_map) {
+  check_is_recorded(range_map);
   const auto found = known_.find(range_map.filename().string());
   return found == known_.end() ? std::span<const geometry::KnownVertex>() : found->second;
 }

@@ -25,11 +25,18 @@ class ToolPlaces {
   /// map, or a contact is not on the surface.
   ToolPlaces(const fs::path& acquisition, const geometry::TriangleMesh& surface);
 
-  /// \param range_map only its name is used, without its folder.
-  [[nodiscard]] std::span<const geometry::KnownVertex> in(const fs::path& range_map) const;
+  /// Finds the places by the name of a range map, without its folder. Warns, once, of a range map
+  /// with other content than the one that the campaign recorded under this name.
+  [[nodiscard]] std::span<const geometry::KnownVertex> in(const fs::path& range_map);
 
  private:
-  std::map<std::string, std::vector<geometry::KnownVertex>> known_;  // by the name of the file
+  void check_is_recorded(const fs::path& range_map);
+
+  fs::path acquisition_;
+  // By the name of the file.
+  std::map<std::string, std::vector<geometry::KnownVertex>> known_;
+  std::map<std::string, std::string> fingerprints_;
+  bool has_warned_ = false;
 };
 
 }  // namespace palpate::apps

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
@@ -20,7 +21,6 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/field_options.h"
-#include "shared/fingerprint.h"
 #include "shared/map_camera.h"
 #include "shared/output_checks.h"
 #include "shared/progress.h"
@@ -85,30 +85,32 @@ Reference load_reference(const TrackCall& call, const fs::path& first_map) {
 
 /// The fingerprint of a range map, and of its mask and its picture.
 std::string content_of(const TrackCall& call, const fs::path& range_map) {
-  std::string content = fingerprint(range_map);
-  if (!call.camera.mask.empty()) content += fingerprint(mask_file(range_map, call.camera.mask));
+  std::string content = file_fingerprint(range_map);
+  if (!call.camera.mask.empty())
+    content += file_fingerprint(mask_file(range_map, call.camera.mask));
   if (!call.color_images.empty()) {
     try {
-      content += fingerprint(picture_of(call.color_images, range_map, call.camera));
+      content += file_fingerprint(picture_of(call.color_images, range_map, call.camera));
     } catch (const FileError&) {
       content += "none";  // a frame that is lost needs no picture
     }
   }
-  return fingerprint_of(content);
+  return text_fingerprint(content);
 }
 
 /// All that the meshes depend on besides the range maps, their masks and their pictures.
 Json settings_of(TrackCall call, const fs::path& reference, const fs::path& first_map) {
   const bool needs_rig = call.camera.intrinsics.empty();
-  Json settings = {{"version", PALPATE_VERSION},
-                   {"--reference", fingerprint(reference)},
-                   {"--acquisition", call.acquisition.empty() ? "" : fingerprint(call.acquisition)},
-                   {"--color-images", call.color_images.string()},
-                   {"--unit", call.meshes.unit.value_or(0)},
-                   {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
-                   {"--scale", call.camera.scale.value_or(0)},
-                   {"--intrinsics", call.camera.intrinsics},
-                   {"--format", call.outputs.format}};
+  Json settings = {
+      {"version", PALPATE_VERSION},
+      {"--reference", file_fingerprint(reference)},
+      {"--acquisition", call.acquisition.empty() ? "" : file_fingerprint(call.acquisition)},
+      {"--color-images", call.color_images.string()},
+      {"--unit", call.meshes.unit.value_or(0)},
+      {"--rig", needs_rig ? file_fingerprint(rig_of(first_map, call.camera.rig)) : ""},
+      {"--scale", call.camera.scale.value_or(0)},
+      {"--intrinsics", call.camera.intrinsics},
+      {"--format", call.outputs.format}};
   settings.update(option_values(fields_of(call.tracking)));
   settings.update(option_values(fields_of(call.camera.selection)));
   settings["--mask"] = call.camera.mask.string();
@@ -118,7 +120,7 @@ Json settings_of(TrackCall call, const fs::path& reference, const fs::path& firs
 /// Returns the surface in a range map; or reports and returns why it is lost.
 /// \throws InvalidInput if the first surface that was measured is not at the reference.
 geometry::TrackedSurface track_one(const TrackCall& call, const Reference& reference,
-                                   const ToolPlaces& tool, const fs::path& file,
+                                   ToolPlaces& tool, const fs::path& file,
                                    geometry::SurfaceTracker& tracker) {
   const auto lost = [](const std::string& why) {
     spdlog::error("{}", why);
@@ -154,7 +156,7 @@ double track_all(const TrackCall& call, RangeMapFeed& feed, const Reference& ref
                  const ResultFolder& folder, TrackRecord& record) {
   const std::vector<TrackedFrame>& frames = record.frames();
   geometry::SurfaceTracker tracker(call.tracking, reference.mesh);
-  const ToolPlaces tool =
+  ToolPlaces tool =
       call.acquisition.empty() ? ToolPlaces() : ToolPlaces(call.acquisition, reference.mesh);
   for (const TrackedFrame& frame : frames) {
     if (!frame.lost.empty()) spdlog::error("{}", frame.lost);

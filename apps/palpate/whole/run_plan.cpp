@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/core/file_names.h"
 #include "shards/shard_journal.h"
-#include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/words.h"
 
@@ -34,7 +34,7 @@ bool holds_journals(const fs::path& folder) {
 }
 
 void add_file(const fs::path& file, Fingerprints& files) {
-  files[in_utf8(file.generic_string())] = fingerprint(file);
+  files[in_utf8(file.generic_string())] = file_fingerprint(file);
 }
 
 void add_folder(const fs::path& folder, Fingerprints& files) {

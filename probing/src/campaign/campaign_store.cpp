@@ -8,6 +8,7 @@
 
 #include "campaign/writer_lock.h"
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/core/output_file.h"
 #include "palpate/probing/csv.h"
 #include "records/database.h"
@@ -25,7 +26,9 @@ constexpr const char* kCampaignSchema =
     " seconds REAL NOT NULL, creep REAL, work_dragging REAL, work_releasing REAL);"
     "CREATE TABLE event(id INTEGER PRIMARY KEY, trial INTEGER, kind TEXT NOT NULL,"
     " text TEXT NOT NULL);";
-// Stores that campaigns without reference probes began do not have it.
+// Stores that earlier versions began do not have these two.
+constexpr const char* kRangeMapSchema =
+    "CREATE TABLE IF NOT EXISTS range_map(name TEXT PRIMARY KEY, fingerprint TEXT NOT NULL)";
 constexpr const char* kReferenceSchema =
     "CREATE TABLE IF NOT EXISTS reference_probe(id INTEGER PRIMARY KEY, trials INTEGER NOT NULL,"
     " time REAL NOT NULL, contact INTEGER NOT NULL, nx REAL NOT NULL, ny REAL NOT NULL,"
@@ -44,14 +47,12 @@ TrialOutcome outcome_of(const std::string& name) {
   throw DatabaseError("a trial has the outcome '" + name + "', which is unknown");
 }
 
-bool has_campaign(sqlite3* database) {
-  return number_of(database, "SELECT count(*) FROM sqlite_master WHERE name = 'run'") > 0;
+bool has_table(sqlite3* database, const std::string& name) {
+  const std::string count = "SELECT count(*) FROM sqlite_master WHERE name = '" + name + "'";
+  return number_of(database, count.c_str()) > 0;
 }
 
-bool has_references(sqlite3* database) {
-  return number_of(database, "SELECT count(*) FROM sqlite_master WHERE name = 'reference_probe'") >
-         0;
-}
+bool has_campaign(sqlite3* database) { return has_table(database, "run"); }
 
 void check_is_campaign(sqlite3* database) {
   const long long version = number_of(database, "PRAGMA user_version");
@@ -90,12 +91,13 @@ struct CampaignStore::Impl {
   Database database;
   CampaignDescription description = {};
   std::optional<Insert> contact = {}, sample = {}, trial = {}, boundary = {}, event = {},
-                        memory = {}, reference = {};
+                        memory = {}, reference = {}, range_map = {};
 
   void prepare_to_write() {
     sqlite3* db = database.get();
     execute(db, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
-    if (!has_references(db)) execute(db, kReferenceSchema);
+    execute(db, kReferenceSchema);
+    execute(db, kRangeMapSchema);
   }
 
   void prepare_statements() {
@@ -107,6 +109,7 @@ struct CampaignStore::Impl {
     boundary.emplace(db, "UPDATE sample SET on_friction_boundary = 1 WHERE id = ?");
     event.emplace(db, "INSERT INTO event(trial, kind, text) VALUES(?,?,?)");
     memory.emplace(db, "INSERT OR REPLACE INTO run VALUES('memory', ?)");
+    range_map.emplace(db, "INSERT INTO range_map VALUES(?,?)");
     reference.emplace(db, "INSERT INTO reference_probe VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   }
 
@@ -146,7 +149,6 @@ CampaignStore CampaignStore::create(const std::filesystem::path& path,
       execute(db, "PRAGMA journal_mode = MEMORY; BEGIN");
       execute(db, kAcquisitionSchema);
       execute(db, kCampaignSchema);
-      execute(db, kReferenceSchema);
       std::string set_version = "PRAGMA user_version = ";
       set_version += std::to_string(kStoreVersion);
       execute(db, set_version.c_str());
@@ -257,7 +259,7 @@ std::vector<ReferenceProbe> CampaignStore::references() const {
   sqlite3* db = impl_->database.get();
   std::vector<ReferenceProbe> probes;
   try {
-    if (!has_references(db)) return {};
+    if (!has_table(db, "reference_probe")) return {};
     const Statement rows = prepare(db, "SELECT * FROM reference_probe ORDER BY id");
     while (step(rows.get())) {
       Row row(rows.get(), "reference_probe");
@@ -307,6 +309,23 @@ int CampaignStore::range_maps() const {
   }
 }
 
+std::map<std::string, std::string> CampaignStore::range_map_fingerprints() const {
+  std::map<std::string, std::string> fingerprints;
+  try {
+    sqlite3* db = impl_->database.get();
+    if (!has_table(db, "range_map")) return {};
+    const Statement rows = prepare(db, "SELECT name, fingerprint FROM range_map");
+    while (step(rows.get())) {
+      Row row(rows.get(), "range_map");
+      std::string name = row.text();
+      fingerprints[std::move(name)] = row.text();
+    }
+  } catch (const DatabaseError& wrong) {
+    throw FileError(impl_->path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
+  return fingerprints;
+}
+
 void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdict, double time,
                            const std::string& memory) {
   const TrialOrder& order = record.order;
@@ -315,6 +334,11 @@ void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdic
     if (const std::optional<Sample> sample = sample_of(order, result, time)) {
       (*impl_->contact << order.contact.id << order.contact.position << order.contact.normal).run();
       insert_sample(*impl_->sample, *sample);
+      if (sample->range_map) {
+        (*impl_->range_map << *sample->range_map
+                           << file_fingerprint(impl_->path.parent_path() / *sample->range_map))
+            .run();
+      }
     }
     (*impl_->trial << order.trial << order.contact.id << static_cast<long long>(order.level)
                    << static_cast<long long>(order.direction) << order.normal_force

@@ -17,6 +17,7 @@
 
 #include "campaign/campaign_testing.h"
 #include "palpate/core/error.h"
+#include "palpate/core/file_fingerprint.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/fingerprint.h"
@@ -26,7 +27,9 @@ namespace palpate::probing {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Pair;
 
 class CampaignStoreTest : public ::testing::Test {
  protected:
@@ -191,6 +194,8 @@ TEST_F(CampaignStoreTest, KeepsTheRangeMapOfASampleOrWhyThereIsNone) {
   CampaignDescription with_camera = description();
   with_camera.camera = R"({"camera": "simulated"})";
   CampaignStore store = CampaignStore::create(path(), with_camera);
+  fs::create_directory(path("range"));
+  write_text(path("range/000000.tiff").string(), "depths");
   Campaign campaign(plan, options);
   const auto arm = make_quasi_static_arm(sheet);
   for (int i = 0; i < 2; ++i) {
@@ -200,6 +205,8 @@ TEST_F(CampaignStoreTest, KeepsTheRangeMapOfASampleOrWhyThereIsNone) {
     store.append(record, campaign.take(record), i);
   }
   EXPECT_EQ(store.range_maps(), 1);
+  EXPECT_THAT(store.range_map_fingerprints(),
+              ElementsAre(Pair("range/000000.tiff", text_fingerprint("depths"))));
   const CampaignStore again = CampaignStore::look(path());
   EXPECT_EQ(again.description().camera, with_camera.camera);
   const CheckedAcquisition acquisition = read_acquisition(path());

@@ -35,9 +35,9 @@ inline constexpr int kStoreVersion = 2;
 
 /// The store of a running campaign: the database of acquisition_store.h, with the tables
 /// `run(key, value)`, `trial` (one row a `TrialRecord`), `reference_probe` (one row a
-/// `ReferenceProbe`) and `event(id, trial, kind, text)` beside. Each trial is one transaction,
-/// which survives a crash and a loss of power (write-ahead log, fully synchronous).
-/// `read_acquisition` reads the file at any time.
+/// `ReferenceProbe`), `range_map(name, fingerprint)` and `event(id, trial, kind, text)` beside.
+/// Each trial is one transaction, which survives a crash and a loss of power (write-ahead log,
+/// fully synchronous). `read_acquisition` reads the file at any time.
 class CampaignStore {
  public:
   /// Begins a new campaign.
@@ -69,8 +69,12 @@ class CampaignStore {
   [[nodiscard]] std::vector<CampaignEvent> events() const;
   /// Number of samples with a range map. \throws FileError if the table cannot be read.
   [[nodiscard]] int range_maps() const;
+  /// The `file_fingerprint` that each range map had when it was recorded, by its name in
+  /// `Sample::range_map`. \throws FileError if the table cannot be read.
+  [[nodiscard]] std::map<std::string, std::string> range_map_fingerprints() const;
 
-  /// Stores a trial, its sample with its contact, and what followed from it. A trial that failed
+  /// Stores a trial, its sample with its contact, the fingerprint of its range map, whose file is
+  /// already there, and what followed from it. A trial that failed
   /// for a `TrialResult::reason` gives an event "no_equilibrium", one whose camera saw nothing of
   /// use an event "no_range_map".
   /// \param time [s] since the campaign began.

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "shared/fingerprint.h"
+#include "palpate/core/file_fingerprint.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <vector>
 
-namespace palpate::apps {
+namespace palpate {
 namespace {
 
 /// FNV-1a of 64 bit: by accident, two texts agree once in 10^19.
@@ -23,12 +23,14 @@ class Fnv {
   std::uint64_t hash_ = 0xcbf29ce484222325ULL;
 };
 
+constexpr std::size_t kBlock = 1 << 16;  // [bytes] read at a time
+
 }  // namespace
 
-std::string fingerprint(const fs::path& file) {
+std::string file_fingerprint(const std::filesystem::path& file) {
   Fnv hash;
   std::ifstream stream(file, std::ios::binary);
-  std::vector<char> block(1 << 16);
+  std::vector<char> block(kBlock);
   while (stream) {
     stream.read(block.data(), static_cast<std::streamsize>(block.size()));
     hash.add({block.data(), static_cast<std::size_t>(stream.gcount())});
@@ -36,10 +38,10 @@ std::string fingerprint(const fs::path& file) {
   return hash.text();
 }
 
-std::string fingerprint_of(std::string_view text) {
+std::string text_fingerprint(std::string_view text) {
   Fnv hash;
   hash.add(text);
   return hash.text();
 }
 
-}  // namespace palpate::apps
+}  // namespace palpate
