@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/specimen_file.h"
@@ -236,6 +237,43 @@ TEST_F(ProbeCamera, TrackingWarnsOfRangeMapsThatTheCampaignDidNotRecord) {
   EXPECT_THAT(warning(swapped, "again"), Not(HasSubstr("is not the range map")));
 }
 
+TEST_F(ProbeCamera, DecodesWhatAConnectedCameraSends) {
+  // A camera that always sends the same frame, of another object: as `palpate decode` decodes it,
+  // except where the tool is.
+  fs::create_directory(scratch.path() / "frames");
+  fs::copy_file(demo("frames/flag_a.png"), scratch.path() / "frames/flag_a.png");
+  std::vector<std::string> call = camera_call(campaign().plan, campaign().specimen, store);
+  call[8] = "simulated:" + scratch / "frames";
+  call.insert(call.end(), {"--frames", "3", "--rate", "200"});
+  const json done = figures_of(call);
+  EXPECT_EQ(done["range_maps"], campaign().done["range_maps"]);
+  (void)figures_of({"decode", scratch / "frames", "--rig", demo("rig.yaml"), "--pattern",
+                    demo("pattern.yaml"), "--colors", colors(), "-o", scratch / "decoded"});
+  const geometry::ImageF seen = geometry::read_depth_tiff(scratch / "range/000000.tiff"),
+                         whole = geometry::read_depth_tiff(scratch / "decoded/000000.tiff");
+  const auto both = seen.isFinite() && whole.isFinite();
+  EXPECT_GT(both.count(), whole.isFinite().count() * 9 / 10);
+  EXPECT_EQ(seen.isFinite().count(), both.count());
+  EXPECT_EQ((both && (seen - whole).abs() > 1e-3F).count(), 0);
+}
+
+TEST_F(ProbeCamera, RefusesSettingsOfTheOtherKindOfCamera) {
+  const auto refused = [&](const std::string& camera, std::vector<std::string> more) {
+    std::vector<std::string> call = camera_call(campaign().plan, campaign().specimen, store);
+    call[8] = camera;
+    call.insert(call.end(), more.begin(), more.end());
+    return refusal_of(call);
+  };
+  EXPECT_THAT(refused("simulated", {"--exposure", "4000"}),
+              HasSubstr("--exposure 4000: has no effect with --camera simulated"));
+  EXPECT_THAT(refused("simulated", {"--size", "640", "480"}), HasSubstr("--size: has no effect"));
+  const std::string folder = "simulated:" + demo("frames");
+  EXPECT_THAT(refused(folder, {"--truth"}), HasSubstr("--truth: has no effect with --camera"));
+  EXPECT_THAT(refused(folder, {"--frames", "0"}), HasSubstr("--frames"));
+  EXPECT_THAT(refused("basler", {}), HasSubstr("it must be 'simulated', or a connected camera"));
+  EXPECT_FALSE(fs::exists(store));
+}
+
 TEST_F(ProbeCamera, RefusesWhatItCannotRecord) {
   const auto with = [&](std::size_t at, const std::string& value) {
     std::vector<std::string> call = camera_call(campaign().plan, campaign().specimen, store);
@@ -248,7 +286,7 @@ TEST_F(ProbeCamera, RefusesWhatItCannotRecord) {
   EXPECT_THAT(refusal_of(camera_call(scratch / "sheet_plan.json", scratch / "sheet.json", store)),
               HasSubstr("--camera simulated: the shape of this object"));
   EXPECT_THAT(refusal_of(with(12, scratch / "no.yaml")), HasSubstr("no.yaml"));
-  EXPECT_THAT(refusal_of(with(8, "aravis:Fake_1")), HasSubstr("--camera"));
+  EXPECT_THAT(refusal_of(with(8, "aravis:nobody")), HasSubstr("nobody"));
   std::vector<std::string> without_colors =
       camera_call(campaign().plan, campaign().specimen, store);
   without_colors.resize(13);

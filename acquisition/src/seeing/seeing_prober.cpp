@@ -16,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// More frames would only wait: what is left of the noise is then far below other errors.
+constexpr int kMostFrames = 256;
+
 bool is_seen(const probing::ProbeAction& action, const probing::ProbeReport& report) {
   return action.measures_sample && action.trial < probing::kFirstReferenceTrial &&
          report.outcome == probing::ProbeOutcome::done;
@@ -36,6 +39,10 @@ std::pair<sensing::Reason, long> main_loss(const sensing::ReasonImage& reasons) 
 
 void visit(SeeingOptions& options, FieldVisitor& visitor) {
   visitor.begin("SeeingOptions");
+  visitor.whole({"frames",
+                 "Frames of each sample, taken while the tip rests. Their average is decoded, so "
+                 "the noise of the depths is smaller"},
+                options.frames, at_least(1).at_most(kMostFrames));
   visitor.real({"shaft",
                 "Length of the tool's shaft, a cylinder with the radius of the tip. Pixels that "
                 "show it get no depth",
@@ -62,15 +69,19 @@ struct SeeingProber::Impl {
   Eigen::Matrix2Xd rays;
   Eigen::Vector3d inward = Eigen::Vector3d::UnitZ();  // of the latest approach
   sensing::DecodeResult decoded = {};                 // its memory is used again
+  std::string failure = {};                           // of the camera; empty: it works
 
   /// Fills in the name of the range map, or why there is none.
   void see(const probing::ProbeAction& action, probing::ProbeReport& report) {
     const ToolPose pose{report.position, inward};
     RestPicture picture;
     try {
-      picture = camera.look({action.trial, pose, report.truth});
+      picture = camera.look({action.trial, pose, report.truth, options.frames});
     } catch (const SolverError& none) {
       report.no_range_map = none.what();
+      return;
+    } catch (const DeviceError& broken) {
+      report.no_range_map = failure = broken.what();
       return;
     }
     decoder.decode(picture.frame, decoded);
@@ -116,6 +127,8 @@ SeeingProber::SeeingProber(probing::Prober& arm, RestCamera& camera,
 SeeingProber::~SeeingProber() = default;
 
 probing::ProbeReport SeeingProber::perform(const probing::ProbeAction& action) {
+  if (action.kind == probing::ProbeActionKind::travel && !impl_->failure.empty())
+    throw DeviceError("the camera failed: " + impl_->failure);
   if (action.kind == probing::ProbeActionKind::touch) impl_->inward = action.force.normalized();
   probing::ProbeReport report = impl_->arm.perform(action);
   if (is_seen(action, report)) impl_->see(action, report);

@@ -7,10 +7,12 @@
 #include <limits>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "palpate/core/error.h"
 #include "palpate/core/require.h"
 #include "palpate/sensing/bayer.h"
+#include "seeing/frame_mean.h"
 
 namespace palpate::acquisition {
 namespace {
@@ -42,14 +44,17 @@ class VirtualCamera final : public RestCamera {
     bodies[0].reflectance.setConstant(setup_.object_reflectance);
     bodies[1].mesh = tool_mesh(setup_.tool, {rest.truth->tip, rest.tool.inward});
     bodies[1].reflectance.setConstant(setup_.tool_reflectance);
-    sensing::Simulation seen =
-        sensing::simulate(setup_.rig, bodies, std::span(&setup_.panel, 1), setup_.sensor,
-                          setup_.pattern.axis, static_cast<std::uint64_t>(rest.trial));
+    const std::vector<cv::Mat> panels(static_cast<std::size_t>(rest.frames), setup_.panel);
+    sensing::Simulation seen = sensing::simulate(
+        setup_.rig, bodies, panels, setup_.sensor, setup_.pattern.axis,
+        static_cast<std::uint64_t>(rest.trial) * static_cast<std::uint64_t>(rest.frames));
     constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
     seen.truth.range.z = (seen.truth.body == 0).select(seen.truth.range.z, kUnknown);
     const bool raw = setup_.sensor.readout == sensing::Readout::mosaic;
-    return {raw ? sensing::demosaic(seen.frames[0], sensing::BayerPattern::rggb) : seen.frames[0],
-            std::move(seen.truth.range)};
+    FrameMean mean;
+    for (const cv::Mat& frame : seen.frames)
+      mean.add(raw ? sensing::demosaic(frame, sensing::BayerPattern::rggb) : frame);
+    return {mean.frame(), std::move(seen.truth.range)};
   }
 
  private:

@@ -12,12 +12,13 @@
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/prober.h"
 #include "probing/probe_arm.h"
+#include "seeing/live_camera_call.h"
 
 namespace palpate::apps {
 
 /// The camera of a campaign, as a call names it.
 struct CameraCall {
-  std::string camera;             ///< "simulated"; empty: none
+  LiveCameraCall camera;          ///< its name: "simulated", a live camera, or empty: none
   fs::path rig, pattern, colors;  ///< empty, also in `resume`: not given
   fs::path sensor;                ///< of a simulated camera; may be empty
   bool truth = false;             ///< also write the true depths

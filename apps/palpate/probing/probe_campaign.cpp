@@ -230,9 +230,9 @@ std::string campaign_words(const probing::Campaign& campaign,
                            const CampaignFindings& findings) {
   const probing::CampaignProgress at = campaign.progress();
   std::string text = fmt::format(
-      "{} of {} contacts done, {} given up\n{} trials in {:.1f} h, {} samples, of which {} slipped",
-      at.contacts_done, at.contacts, at.contacts_given_up, at.trials, at.seconds / kSecondsPerHour,
-      at.samples, at.slipped);
+      "{} of {} done, {} given up\n{} in {:.1f} h, {}, of which {} slipped", at.contacts_done,
+      counted(at.contacts, "contact"), at.contacts_given_up, counted(at.trials, "trial"),
+      at.seconds / kSecondsPerHour, counted(at.samples, "sample"), at.slipped);
   if (campaign.next())
     text += fmt::format("\nabout {:.0f} trials left, {:.1f} h", at.trials_left,
                         at.seconds_left / kSecondsPerHour);
@@ -253,7 +253,7 @@ std::string campaign_words(const probing::Campaign& campaign,
 }
 
 std::string trials_kept(const probing::Campaign& campaign) {
-  return fmt::format("{} trials are kept", campaign.progress().trials);
+  return counted(campaign.progress().trials, "trial is kept", "trials are kept");
 }
 
 void perform_trials(probing::CampaignStore& store, RunningCampaign& running,

@@ -68,8 +68,8 @@ void check_not_moved(probing::CampaignStore& store, RunningCampaign& running,
   throw Error(fmt::format(
       "{}: the object is not where it was when the campaign was interrupted; outwards along the "
       "normal, {}; at most {} mm are allowed (--moved-limit). Put it back, or begin a new "
-      "campaign; {} trials are kept",
-      path.string(), words, limit, running.campaign.progress().trials));
+      "campaign; {}",
+      path.string(), words, limit, trials_kept(running.campaign)));
 }
 
 /// Notes the record of the arm in the store when a part of the campaign begins, or warns of none.
@@ -107,6 +107,9 @@ void perform(const Settings& settings, probing::CampaignStore& store, RunningCam
     store.note("arm_stopped", stopped.what());
     throw DeviceError(fmt::format("the arm was stopped: {}; {}; {}", stopped.what(),
                                   trials_kept(campaign), how_to_continue));
+  } catch (const DeviceError& failed) {
+    throw DeviceError(
+        fmt::format("{}; {}; {}", failed.what(), trials_kept(campaign), how_to_continue));
   }
   if (const std::string aloud = beyond_reach(campaign.progress(), options); !aloud.empty())
     store.note("target", aloud);
@@ -167,7 +170,7 @@ void run_campaign(const Settings& settings, const RunCall& call) {
 void dry_run(const Settings& settings, const RunCall& call) {
   if (!call.store.empty())
     throw InvalidInput("--dry-run: measures nothing, so there is nothing to write; leave out -o");
-  if (!call.camera.camera.empty())
+  if (!call.camera.camera.name.empty())
     throw InvalidInput(
         "--dry-run: measures nothing, so there is nothing to see; leave out --camera");
   check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay, call.surface},

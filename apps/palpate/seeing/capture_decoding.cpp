@@ -14,8 +14,8 @@
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
-#include "seeing/capture_stage.h"
 #include "seeing/decode_input.h"
+#include "seeing/live_camera_call.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -40,13 +40,7 @@ Json live_settings(const LiveDecodeCall& call, const sensing::CameraState& camer
 LiveDecoding::LiveDecoding(const LiveDecodeCall& call, const sensing::CameraState& camera)
     : call_(call), bayer_(camera.bayer), bits_(camera.bits) {
   const sensing::Rig rig = load_rig(call_.rig);
-  if (rig.camera.width != camera.size.width || rig.camera.height != camera.size.height) {
-    throw InvalidInput(fmt::format(
-        "{}: the rig's camera has {} x {} px; {} sends {} x {} px. Set --size, or calibrate the "
-        "rig with the size at which you record.",
-        call_.rig.string(), rig.camera.width, rig.camera.height, camera.name, camera.size.width,
-        camera.size.height));
-  }
+  check_sends_frames_of(rig.camera, call_.rig, camera);
   const sensing::Pattern pattern = sensing::read_pattern(call_.pattern);
   sensing::check_pattern_fits(pattern, rig.projector, call_.pattern.string());
   if (pattern.stripe_edges.empty()) {

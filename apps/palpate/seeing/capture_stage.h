@@ -10,34 +10,11 @@
 #include <vector>
 
 #include "palpate/sensing/live_camera.h"
+#include "seeing/live_camera_call.h"
 #include "seeing/projector_window.h"
 #include "shared/aliases.h"
 
 namespace palpate::apps {
-
-/// The camera of a call, and its settings.
-struct LiveCameraCall {
-  std::string name;
-  std::vector<int> size;  ///< width, height [px]; empty: as the camera is set
-  sensing::CameraSettings settings;
-  double patience = 5;  ///< [s]
-};
-
-/// Adds CAMERA and the options of its settings.
-void add_live_camera_options(CLI::App& command, LiveCameraCall& call);
-
-/// Opens the camera, and prints its warnings.
-/// \throws InvalidInput or DeviceError.
-[[nodiscard]] std::unique_ptr<sensing::LiveCamera> open_live_camera(const LiveCameraCall& call);
-
-/// The settings of the camera, for records and reports.
-[[nodiscard]] Json camera_figures(const sensing::CameraState& state);
-
-/// Options that `palpate decode` needs for its frames: " --bayer rggb --bits 12"; mostly none.
-[[nodiscard]] std::string decode_options_of(const sensing::CameraState& state);
-
-/// The name of a mosaic, as --bayer takes it.
-[[nodiscard]] std::string bayer_name(sensing::BayerPattern pattern);
 
 /// Options of all commands that show images on a projector and take one image of each.
 struct StageCall {

@@ -190,12 +190,16 @@ Recording record(LiveCamera& camera, const RecordingOptions& options, const Reco
 CameraFrame take_fresh(LiveCamera& camera, double patience) {
   while (camera.next(std::chrono::milliseconds(0))) {
   }
+  static_cast<void>(take_next(camera, patience));
+  return take_next(camera, patience);
+}
+
+CameraFrame take_next(LiveCamera& camera, double patience) {
   const Clock::time_point begin = Clock::now();
-  for (int taken = 0; seconds_since(begin) <= patience;) {
-    std::optional<CameraFrame> frame = camera.next(kLook);
-    if (frame && ++taken > 1) return std::move(*frame);
+  while (seconds_since(begin) <= patience) {
+    if (std::optional<CameraFrame> frame = camera.next(kLook)) return std::move(*frame);
   }
-  throw DeviceError(silence_of(camera, patience) + ".");
+  throw DeviceError(silence_of(camera, patience));
 }
 
 }  // namespace palpate::sensing

@@ -17,6 +17,7 @@
 #include "refusal.h"
 #include "scratch_folder.h"
 #include "seeing_testing.h"
+#include "throws_message.h"
 
 namespace palpate::acquisition {
 namespace {
@@ -24,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using probing::TrialOrder;
+using probing::TrialOutcome;
 using probing::TrialResult;
 using ::testing::HasSubstr;
 
@@ -145,6 +147,40 @@ TEST_F(SeeingProberTest, AnObjectWithoutAShapeIsTold) {
   const TrialResult result = run(none, drag_order(1));
   EXPECT_EQ(result.outcome, probing::TrialOutcome::held);
   EXPECT_EQ(result.no_range_map, "no equilibrium");
+}
+
+TEST_F(SeeingProberTest, ACameraThatFailsEndsTheCampaignAfterTheTrial) {
+  class Unplugged final : public RestCamera {
+    RestPicture look(const Rest&) override { throw DeviceError("camera: unplugged"); }
+  } unplugged;
+  SeeingProber prober(*arm, unplugged, decoder(), kRadius, {.base = folder.path()});
+  // The tip is lifted from the object first.
+  const TrialResult result = probing::run_trial(prober, drag_order(1), {});
+  EXPECT_EQ(result.outcome, TrialOutcome::held);
+  EXPECT_EQ(result.no_range_map, "camera: unplugged");
+  EXPECT_THROWS_MESSAGE((void)probing::run_trial(prober, drag_order(2), {}), DeviceError,
+                        "camera: unplugged");
+}
+
+TEST_F(SeeingProberTest, MoreFramesMeanLessNoise) {
+  // Pictures of the same load differ only by their noise.
+  const auto noise_with = [&](int frames) {
+    geometry::ImageF depths[2];
+    for (const int i : {0, 1}) {
+      const TrialResult result = run(*camera, drag_order(i), {.frames = frames});
+      depths[i] = geometry::read_depth_tiff(folder / result.range_map);
+    }
+    std::vector<float> changes;
+    for (Eigen::Index i = 0; i < depths[0].size(); ++i)
+      if (std::isfinite(depths[0](i)) && std::isfinite(depths[1](i)))
+        changes.push_back(std::abs(depths[0](i) - depths[1](i)));
+    std::sort(changes.begin(), changes.end());
+    return changes[changes.size() / 2];
+  };
+  // The noise of a mean of n independent frames is sqrt(n) times smaller; n = 9.
+  const float quotient = noise_with(1) / noise_with(9);
+  EXPECT_GT(quotient, 2.5);
+  EXPECT_LT(quotient, 3.5);
 }
 
 TEST_F(SeeingProberTest, RefusesOptionsOutsideTheirRange) {

@@ -29,9 +29,10 @@ class RunSteps : public ::testing::Test {
 
 /// Options whose values are free text, but no files that are read or written.
 const std::set<std::string> kTexts = {
-    "arm",        "bayer",     "coupling",    "crop", "decimal", "device",    "fov",
-    "force-unit", "isolated",  "length-unit", "map",  "object",  "separator", "set",
-    "stop-file",  "time-unit", "title",       "tool", "unit",    "viewpoint"};
+    "arm",    "bayer",        "camera",     "coupling", "crop",        "decimal",
+    "device", "fov",          "force-unit", "isolated", "length-unit", "map",
+    "object", "pixel-format", "separator",  "set",      "stop-file",   "time-unit",
+    "title",  "tool",         "unit",       "viewpoint"};
 
 // A new option that takes a text fails here until the table, or the list above, says what it is:
 // a file that a command reads without `palpate run` knowing would leave results as they are when

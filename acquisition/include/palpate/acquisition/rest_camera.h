@@ -17,19 +17,21 @@ struct Rest {
   ToolPose tool = {};  ///< as the arm knows it
   /// Of a simulated arm: for a simulated camera, and nobody else.
   std::optional<probing::TrueLoad> truth = {};
+  int frames = 1;  ///< to take, >= 1
 };
 
 struct RestPicture {
-  cv::Mat frame;  ///< as `sensing::Decoder` takes it
+  cv::Mat frame;  ///< the mean of the frames that were taken, as `sensing::Decoder` takes it
   /// The true depths of the object, NaN where the tool hides it: of a simulated camera.
   std::optional<geometry::RangeMap> truth = {};
 };
 
-/// A camera, real or simulated, that takes a picture while a tip rests.
+/// A camera, real or simulated, that takes frames while a tip rests.
 class RestCamera {
  public:
   virtual ~RestCamera() = default;
   /// \throws SolverError if a simulated object has no shape under this load.
+  /// \throws DeviceError if a real camera is gone, or sends something that is not a frame.
   [[nodiscard]] virtual RestPicture look(const Rest& rest) = 0;
 };
 

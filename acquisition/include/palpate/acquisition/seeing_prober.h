@@ -17,6 +17,7 @@ namespace palpate::acquisition {
 /// What of a picture becomes a range map. The meaning, unit and range of each field stand in its
 /// list, `visit`.
 struct SeeingOptions {
+  int frames = 1;
   double shaft = ToolShape{}.shaft;
   double tool_margin = 3;
   double least_depths = 0.005;
@@ -37,6 +38,9 @@ struct SeeingFolders {
 /// picture that is of no use leaves `ProbeReport::range_map` empty and says why; the trial is as
 /// good as without a camera. Reference probes are not looked at.
 ///
+/// A camera that fails does not stop an arm that presses: its trial ends without a range map, and
+/// the next action that would begin a trial is refused.
+///
 /// One picture is in memory at a time. The arm waits until the range map is written.
 class SeeingProber final : public probing::Prober {
  public:
@@ -46,7 +50,8 @@ class SeeingProber final : public probing::Prober {
                double radius, SeeingFolders folders, const SeeingOptions& options = {});
   ~SeeingProber() override;
 
-  /// \throws OutputError if a range map cannot be written, and whatever arm and camera throw.
+  /// \throws OutputError if a range map cannot be written; DeviceError at the beginning of a trial
+  /// if the camera failed in the one before; whatever the arm throws.
   [[nodiscard]] probing::ProbeReport perform(const probing::ProbeAction& action) override;
   [[nodiscard]] std::string memory() const override;
 

@@ -27,7 +27,7 @@ struct VirtualCameraSetup {
 /// A camera that renders a specimen as the true load of a simulated arm deforms it, with the tool
 /// in the picture, by the virtual sensor. The deformed object is `Specimen::deformed_surface`, an
 /// equilibrium: what of a retarded object has not come yet, is seen as if it had. The noise of a
-/// picture is that of the frame with the number of the trial.
+/// picture with n frames is that of the frames n times the number of the trial, and following ones.
 /// \throws InvalidInput if no shape is known of the specimen, or as `sensing::simulate`.
 [[nodiscard]] std::unique_ptr<RestCamera> make_virtual_camera(
     std::shared_ptr<const probing::Specimen> specimen, VirtualCameraSetup setup);

@@ -85,4 +85,8 @@ struct Recording {
 /// \throws DeviceError if the camera sends nothing for that long.
 [[nodiscard]] CameraFrame take_fresh(LiveCamera& camera, double patience);
 
+/// Takes the oldest frame that was not taken yet, and waits for one if there is none.
+/// \throws DeviceError as `take_fresh`.
+[[nodiscard]] CameraFrame take_next(LiveCamera& camera, double patience);
+
 }  // namespace palpate::sensing
