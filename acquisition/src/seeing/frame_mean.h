@@ -11,8 +11,8 @@ class FrameMean {
  public:
   /// \param frame of 8 or 16 bits; all of one size and type.
   void add(const cv::Mat& frame);
-  /// Of one frame, itself; of more, with 16 bits, so that the mean of 8-bit frames is not rounded to
-  /// 8 bits. \pre There is a frame.
+  /// Of one frame, itself; of more, with 16 bits, so that the mean of 8-bit frames is not rounded
+  /// to 8 bits. \pre There is a frame.
   [[nodiscard]] cv::Mat frame() const;
 
  private:
