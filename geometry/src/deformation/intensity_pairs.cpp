@@ -145,15 +145,20 @@ BlurredImages::BlurredImages(const Camera& camera, const ImageF& image) : camera
   for (const double blur : kBlurs) images_.push_back(blurred(image, blur));
 }
 
+Eigen::Vector2d BlurredImages::pixel_of(const Eigen::Vector3d& point) const {
+  const Eigen::Vector2d none(kNan, kNan);
+  if (!(point.z() > 0)) return none;
+  const Eigen::Vector2d pixel = distort(camera_, point.hnormalized());
+  return pixel.x() >= 1 && pixel.y() >= 1 && pixel.x() < camera_.width - 2 &&
+                 pixel.y() < camera_.height - 2
+             ? pixel
+             : none;
+}
+
 IntensityAt BlurredImages::at(const Eigen::Vector3d& point, int blur) const {
-  const IntensityAt unknown{kNan, Eigen::Vector3d::Zero()};
-  if (!(point.z() > 0)) return unknown;
+  const Eigen::Vector2d pixel = pixel_of(point);
+  if (!pixel.allFinite()) return {kNan, Eigen::Vector3d::Zero()};
   const Eigen::Vector2d ray = point.hnormalized();
-  const Eigen::Vector2d pixel = distort(camera_, ray);
-  if (!(pixel.x() >= 1 && pixel.y() >= 1 && pixel.x() < camera_.width - 2 &&
-        pixel.y() < camera_.height - 2)) {
-    return unknown;
-  }
   const auto col = static_cast<Eigen::Index>(pixel.x()), row = static_cast<Eigen::Index>(pixel.y());
   const double x = pixel.x() - static_cast<double>(col), y = pixel.y() - static_cast<double>(row);
   const Eigen::Matrix4d near =
@@ -172,6 +177,40 @@ IntensityAt BlurredImages::at(const Eigen::Vector3d& point, int blur) const {
   of_point << Eigen::Matrix2d::Identity(), -ray;
   return {rows.dot(near.block<2, 2>(1, 1) * cols),
           (of_pixel * of_ray * of_point / point.z()).transpose()};
+}
+
+std::vector<double> intensity_noise(std::span<const Eigen::Vector2d> pixels,
+                                    std::mt19937_64& random) {
+  std::vector<double> errors(pixels.size(), 0);
+  Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array2d high = -low;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    if (!pixel.allFinite()) continue;
+    low = low.min(pixel.array().floor());
+    high = high.max(pixel.array().floor() + 1);
+  }
+  if (!(low <= high).all()) return errors;
+  const double blur = kBlurs[kIntensityBlurs - 1], margin = std::ceil(kBlurEnd * blur);
+  low -= margin;
+  high += margin;
+  ImageF noise(static_cast<Eigen::Index>(high.y() - low.y()) + 1,
+               static_cast<Eigen::Index>(high.x() - low.x()) + 1);
+  for (float& one : noise.reshaped()) one = (random() & 1U) != 0 ? 1.0F : -1.0F;
+  noise = blurred(noise, blur);
+  double square = 0;
+  long known = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (!pixels[i].allFinite()) continue;
+    const Eigen::Vector2d at = pixels[i] - low.matrix();
+    const auto col = static_cast<Eigen::Index>(at.x()), row = static_cast<Eigen::Index>(at.y());
+    const double x = at.x() - static_cast<double>(col), y = at.y() - static_cast<double>(row);
+    const Eigen::Matrix2d near = noise.block<2, 2>(row, col).matrix().cast<double>();
+    errors[i] = Eigen::Vector2d(1 - y, y).dot(near * Eigen::Vector2d(1 - x, x));
+    square += errors[i] * errors[i];
+    ++known;
+  }
+  for (double& error : errors) error /= std::sqrt(square / static_cast<double>(known));
+  return errors;
 }
 
 std::vector<PlanePair> intensity_pairs(const DeformationGraph& graph, const BlurredImages& images,

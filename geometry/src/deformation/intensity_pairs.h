@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <random>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,8 @@ class BlurredImages {
   /// Returns the intensity of the image at a point, and its derivative.
   /// \param blur index of kIntensityBlurs
   [[nodiscard]] IntensityAt at(const Eigen::Vector3d& point, int blur) const;
+  /// [px] that shows a point; NaN if none does, or only one at the border
+  [[nodiscard]] Eigen::Vector2d pixel_of(const Eigen::Vector3d& point) const;
   /// [mm] of a pixel that shows a point
   [[nodiscard]] double pixel_width(const Eigen::Vector3d& point) const {
     return point.z() / camera_.fx;
@@ -36,6 +39,12 @@ class BlurredImages {
   Camera camera_;
   std::vector<ImageF> images_;
 };
+
+/// Returns random errors of intensities in the least blurred image, with a mean square of 1. Errors
+/// of its pixels are independent before it is blurred, so those of neighbouring places are alike.
+/// \param pixels as `BlurredImages::pixel_of` gives them; the errors of others are 0
+[[nodiscard]] std::vector<double> intensity_noise(std::span<const Eigen::Vector2d> pixels,
+                                                  std::mt19937_64& random);
 
 /// A vertex of the deformed surface.
 struct IntensitySample {

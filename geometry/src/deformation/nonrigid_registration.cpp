@@ -343,6 +343,12 @@ class Fit {
         .measured = samples_.size() * (images_ ? 2 : 1)};
     std::vector<int> pixels(samples_.size(), -1);
     draw(kLevels - 1, pixels, fitted.pairs);
+    if (images_) {
+      for (const int vertex : samples_) {
+        fitted.pixels.push_back(
+            images_->pixel_of(place(graph_, result_.node_motions, vertex).position));
+      }
+    }
     VertexDeviations deviations = vertex_deviations(graph_, equations_, fitted);
     result_.sigma_across = std::move(deviations.across);
     result_.sigma_along = std::move(deviations.along);

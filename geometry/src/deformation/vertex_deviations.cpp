@@ -13,6 +13,7 @@
 
 #include "base/disjoint_sets.h"
 #include "base/numbers.h"
+#include "deformation/intensity_pairs.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/quantile.h"
 #include "palpate/geometry/robust_weights.h"
@@ -187,14 +188,13 @@ double normal(std::mt19937_64& random) {
   return length * std::cos(2 * std::numbers::pi * uniform(random));
 }
 
-/// Random errors, each plus or minus its deviation.
+/// Random errors of measurements. That of a plane is plus or minus its deviation.
 std::vector<double> random_errors(const FittedGraph& fitted, const Noise& noise,
                                   std::mt19937_64& random) {
-  std::vector<double> errors(fitted.measured);
-  for (std::size_t s = 0; s < errors.size(); ++s) {
-    const double size = s < fitted.planes ? noise.planes : noise.intensities;
-    errors[s] = (random() & 1U) != 0 ? size : -size;
-  }
+  std::vector<double> errors(fitted.planes);
+  for (double& error : errors) error = (random() & 1U) != 0 ? noise.planes : -noise.planes;
+  for (const double error : intensity_noise(fitted.pixels, random))
+    errors.push_back(noise.intensities * error);
   return errors;
 }
 

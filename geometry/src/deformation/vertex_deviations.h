@@ -26,6 +26,8 @@ struct FittedGraph {
   std::vector<PlanePair> pairs;
   std::size_t planes = 0;    ///< number of `pairs` that are planes
   std::size_t measured = 0;  ///< number of `pairs` that have errors
+  /// [px] of the intensities, as `BlurredImages::pixel_of`
+  std::vector<Eigen::Vector2d> pixels = {};
 };
 
 /// Standard deviations of the places of vertices, V each [mm]; NaN in pieces of surface of which
@@ -36,7 +38,8 @@ struct VertexDeviations {
 };
 
 /// Propagates four independent errors through the equations:
-/// - of each measurement. All of a kind have the variance that their distances show.
+/// - of each measurement. All of a kind have the variance that their distances show. Those of
+///   planes are independent, those of intensities are alike within the blur of the image.
 /// - of the links: random fields of strain, from two spacings of the nodes to the extent of the
 ///   surface. Their variance is that which the links of the solution show beyond the errors of
 ///   measurements, so it is large where the measurements hardly show strain.
