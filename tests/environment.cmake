@@ -21,3 +21,8 @@ foreach(variable_and_bytes IN ITEMS TRIM_THRESHOLD_=1073741824 TOP_PAD_=67108864
     set(ENV{MALLOC_${CMAKE_MATCH_1}} ${CMAKE_MATCH_2})
   endif()
 endforeach()
+
+# Larger pages for what they allocate, where the system lends them: a tenth of the faults.
+if(NOT DEFINED ENV{GLIBC_TUNABLES})
+  set(ENV{GLIBC_TUNABLES} glibc.malloc.hugetlb=1)
+endif()
