@@ -221,6 +221,9 @@ int main() {
   compare("slack sheet with soft block",
           measured(probing::Sheet{.tension = 0.6, .lateral = 0.06, .taper = 0.5, .block = 0.7}, 0,
                    42, 60));
+  compare("tight sheet",
+          measured(probing::Sheet{.tension = 1.4, .lateral = 0.1, .taper = 0.2, .block = 0.4}, 0,
+                   42, 60));
   compare("elastic body", measured(probing::ElasticBody{}, 0, 42, 42));
   compare("very uneven beam", measured(probing::Beam{.local_variation = 0.3}, 100, 90, 18));
 }

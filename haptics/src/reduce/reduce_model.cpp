@@ -34,7 +34,7 @@ constexpr std::uint64_t kOtherStrokes = 1U << 31;
 struct SharesOfError {
   double contacts, surface;
 };
-constexpr std::array<SharesOfError, 3> kSharesOfError{{{0.6, 0.2}, {0.6, 0.4}, {0.8, 0.2}}};
+constexpr std::array<SharesOfError, 3> kSharesOfError{{{0.6, 0.2}, {0.6, 0.4}, {0.95, 0.05}}};
 // Of a model that states no error, relative to the force, if nothing is asked for.
 constexpr double kShareOfForce = 0.01;
 // Of the surface, relative to its diagonal: a pixel of a picture of 1000 pixels.
@@ -192,8 +192,9 @@ void complete(Source& source, std::span<const std::size_t> kept, const Allowed& 
   result.size_after = folder_size(result.model);
 }
 
-ReducedModel reduced_within(Source& source, const Allowed& allowed) {
-  std::optional<ReducedModel> smallest;
+// Models that differ by the allowed error, the smallest first.
+std::vector<ReducedModel> reduced_within(Source& source, const Allowed& allowed) {
+  std::vector<ReducedModel> models;
   std::set<std::pair<std::vector<std::size_t>, double>> known;  // contacts and surfaces
   for (const SharesOfError& shares : kSharesOfError) {
     const ThinnedContacts thinned =
@@ -205,9 +206,10 @@ ReducedModel reduced_within(Source& source, const Allowed& allowed) {
     if (allowed.force > 0) coarsen(source, allowed, shares.surface, result);
     if (!known.emplace(thinned.kept, result.surface_distance).second) continue;
     complete(source, thinned.kept, allowed, result);
-    if (!smallest || result.size_after < smallest->size_after) smallest = std::move(result);
+    models.push_back(std::move(result));
   }
-  return *std::move(smallest);
+  std::ranges::stable_sort(models, {}, &ReducedModel::size_after);
+  return models;
 }
 
 // [mm] The least of what is asked for.
@@ -236,20 +238,25 @@ void describe(const Source& source, const PlayedStrokes& measuring, ReducedModel
   result.size_after = folder_size(result.model);
 }
 
-// The same, as strokes find it that did not choose.
-ReducedModel measured_within(Source& source, const PlayedStrokes& measuring,
-                             const Allowed& allowed) {
+// The smallest of these models that strokes which did not choose find within the allowed error.
+// Empty if none is within `most_bytes`.
+std::optional<ReducedModel> measured_within(Source& source, const PlayedStrokes& measuring,
+                                            const Allowed& allowed, double most_bytes) {
   Allowed corrected = allowed;
   for (int i = 0;; ++i) {
-    ReducedModel result = reduced_within(source, corrected);
-    result.difference = measuring.difference(result.model);
-    if (result.difference.rms <= allowed.force || i > kCorrections) {
+    std::vector<ReducedModel> models = reduced_within(source, corrected);
+    if (models.front().size_after > most_bytes) return std::nullopt;
+    double least = std::numeric_limits<double>::infinity();
+    for (ReducedModel& result : models) {
+      result.difference = measuring.difference(result.model);
+      least = std::min(least, result.difference.rms);
+      if (result.difference.rms > allowed.force && i <= kCorrections) continue;
       describe(source, measuring, result);
-      return result;
+      if (result.size_after > most_bytes) return std::nullopt;
+      return std::move(result);
     }
     // At last with all contacts in reach and their neighbours, on the surface as it is.
-    corrected.force *=
-        i < kCorrections ? std::min(kCorrection, allowed.force / result.difference.rms) : 0;
+    corrected.force *= i < kCorrections ? std::min(kCorrection, allowed.force / least) : 0;
   }
 }
 
@@ -268,30 +275,33 @@ InvalidInput too_large(double size, double smallest) {
 // \param factor by which they are.
 ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const Allowed& allowed,
                           double& factor) {
-  if (!source.options.max_size) return measured_within(source, measuring, allowed);
-  const double size = *source.options.max_size;
-  const double least = folder_size(reduced_within(source, raised_by(kMostRaised, allowed)).model);
-  if (least > size) throw too_large(size, least);
-  ReducedModel result = measured_within(source, measuring, allowed);
-  if (result.size_after <= size) return result;
+  const double size = source.options.max_size.value_or(std::numeric_limits<double>::infinity());
+  if (source.options.max_size) {
+    const double least = reduced_within(source, raised_by(kMostRaised, allowed)).front().size_after;
+    if (least > size) throw too_large(size, least);
+  }
+  const auto raised_to = [&](double by) {
+    return measured_within(source, measuring, raised_by(by, allowed), size);
+  };
+  std::optional<ReducedModel> result = raised_to(factor);
+  if (result) return *std::move(result);
   double too_small = factor;
-  while (result.size_after > size) {
-    if (factor >= kMostRaised) throw too_large(size, result.size_after);
+  while (!result) {
+    if (factor >= kMostRaised) throw too_large(size, size);
     too_small = factor;
     factor *= 2;
-    result = measured_within(source, measuring, raised_by(factor, allowed));
+    result = raised_to(factor);
   }
   for (int i = 0; i < kScaleHalvings; ++i) {
     const double middle = std::sqrt(too_small * factor);
-    ReducedModel other = measured_within(source, measuring, raised_by(middle, allowed));
-    if (other.size_after <= size) {
+    if (std::optional<ReducedModel> other = raised_to(middle)) {
       result = std::move(other);
       factor = middle;
     } else {
       too_small = middle;
     }
   }
-  return result;
+  return *std::move(result);
 }
 
 }  // namespace

@@ -6,31 +6,43 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "palpate/core/error.h"
 #include "palpate/haptics/blended_field.h"
+#include "reduce/contact_losses.h"
 #include "reduce/contact_subset.h"
 
 namespace palpate::haptics {
 namespace {
 
 constexpr std::size_t kFirstContacts = 6;
+// A triangle of contacts.
+constexpr std::size_t kTriangle = 3;
 // Contacts that are added at once, relative to those there are.
 constexpr double kAdded = 0.25;
+// Number of evenly spread contacts that is tried, relative to the one before.
+constexpr double kFewer = 0.85;
+
+std::vector<std::size_t> with_first(std::vector<std::size_t> kept,
+                                    const std::vector<std::size_t>& added, std::size_t count) {
+  kept.insert(kept.end(), added.begin(), added.begin() + static_cast<std::ptrdiff_t>(count));
+  std::ranges::sort(kept);
+  return kept;
+}
 
 // Candidates in the order of farthest points, by their distance in space; the first is the one
-// nearest to the mean.
-std::vector<std::size_t> spread_out(const Model& model, std::span<const std::size_t> candidates,
-                                    std::size_t count) {
+// farthest from the mean.
+std::vector<std::size_t> spread_out(const Model& model, std::span<const std::size_t> candidates) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const std::size_t i : candidates) mean += model.contacts[i].position;
   mean /= static_cast<double>(candidates.size());
   std::vector<double> distance(candidates.size());
   for (std::size_t c = 0; c < candidates.size(); ++c)
-    distance[c] = -(model.contacts[candidates[c]].position - mean).norm();
+    distance[c] = (model.contacts[candidates[c]].position - mean).norm();
   std::vector<std::size_t> chosen;
-  while (chosen.size() < std::min(count, candidates.size())) {
+  while (chosen.size() < candidates.size()) {
     const auto next =
         static_cast<std::size_t>(std::ranges::max_element(distance) - distance.begin());
     chosen.push_back(candidates[next]);
@@ -42,8 +54,16 @@ std::vector<std::size_t> spread_out(const Model& model, std::span<const std::siz
     }
     distance[next] = -std::numeric_limits<double>::infinity();
   }
-  std::ranges::sort(chosen);
   return chosen;
+}
+
+std::vector<std::size_t> sorted(std::vector<std::size_t> values) {
+  std::ranges::sort(values);
+  return values;
+}
+
+std::vector<std::size_t> first_of(const std::vector<std::size_t>& order, std::size_t count) {
+  return with_first({}, order, std::min(count, order.size()));
 }
 
 // For each contact, those that share a triangle of contacts with it.
@@ -74,13 +94,6 @@ std::vector<std::size_t> with_neighbours(const std::vector<std::vector<int>>& ne
   return result;
 }
 
-std::vector<std::size_t> with_first(std::vector<std::size_t> kept,
-                                    const std::vector<std::size_t>& added, std::size_t count) {
-  kept.insert(kept.end(), added.begin(), added.begin() + static_cast<std::ptrdiff_t>(count));
-  std::ranges::sort(kept);
-  return kept;
-}
-
 }  // namespace
 
 ContactThinning::ContactThinning(const Model& model, std::span<const std::size_t> candidates,
@@ -90,14 +103,22 @@ ContactThinning::ContactThinning(const Model& model, std::span<const std::size_t
       ends_(ends),
       neighbours_(neighbours_of(model)),
       candidates_(with_neighbours(neighbours_, candidates)),
-      first_(spread_out(model, candidates, kFirstContacts)) {
+      spread_(spread_out(model, candidates)) {
   const BlendedField field(model);
   for (const StrokeEnd& end : ends)
     weights_.push_back(field.weights(field.surface().closest_point(end.contact).at));
 }
 
 ThinnedContacts ContactThinning::within(double error, const std::function<void()>& tried) {
-  std::vector<std::size_t> kept = first_, before, added;
+  std::vector<std::size_t> kept = added_up(error, tried);
+  if (played(kept, tried).error <= error)
+    kept = pruned(fewest_spread(std::move(kept), error, tried), error, tried);
+  return {.kept = kept, .model = with_contacts(model_, kept), .error = played(kept, tried).error};
+}
+
+std::vector<std::size_t> ContactThinning::added_up(double error,
+                                                   const std::function<void()>& tried) {
+  std::vector<std::size_t> kept = first_of(spread_, kFirstContacts), before, added;
   std::span<const double> differences;  // of the last choice that has a triangulation
   while (played(kept, tried).error > error) {
     const Choice& choice = played(kept, tried);
@@ -119,7 +140,64 @@ ThinnedContacts ContactThinning::within(double error, const std::function<void()
       too_few = middle;
     }
   }
-  return {.kept = kept, .model = with_contacts(model_, kept), .error = played(kept, tried).error};
+  return kept;
+}
+
+// Fewer contacts than those that are kept, evenly spread, if they do as well.
+std::vector<std::size_t> ContactThinning::fewest_spread(std::vector<std::size_t> kept, double error,
+                                                        const std::function<void()>& tried) {
+  // Errors do not always fall with the number of contacts, so smaller numbers are tried as well.
+  std::size_t count = std::min(kept.size(), spread_.size() + 1) - 1;
+  while (count >= kTriangle) {
+    std::vector<std::size_t> fewer = first_of(spread_, count);
+    if (played(fewer, tried).error <= error) kept = std::move(fewer);
+    count = std::min(count - 1, static_cast<std::size_t>(kFewer * static_cast<double>(count)));
+  }
+  return kept;
+}
+
+// Without the contacts that are missed least.
+std::vector<std::size_t> ContactThinning::pruned(std::vector<std::size_t> kept, double error,
+                                                 const std::function<void()>& tried) {
+  while (kept.size() > kTriangle) {
+    std::vector<std::size_t> leaving = dispensable(kept, error, tried), rest;
+    do {
+      rest.clear();
+      std::ranges::set_difference(kept, sorted(leaving), std::back_inserter(rest));
+      leaving.resize(leaving.size() / 2);
+    } while (rest.size() < kept.size() && played(rest, tried).error > error);
+    if (rest.size() == kept.size()) break;
+    kept = std::move(rest);
+  }
+  return kept;
+}
+
+// Contacts that may leave, if the losses add up; no two of them are neighbours. The one that is
+// missed least comes first.
+std::vector<std::size_t> ContactThinning::dispensable(const std::vector<std::size_t>& kept,
+                                                      double error,
+                                                      const std::function<void()>& tried) {
+  const std::vector<double>& differences = played(kept, tried).differences;
+  const auto known = losses_.find(kept);
+  const Losses& of = known != losses_.end() ? known->second : losses_[kept] = [&] {
+    const Model model = with_contacts(model_, kept);
+    return Losses{contact_losses(model, strokes_, ends_, differences), neighbours_of(model)};
+  }();
+  std::vector<std::size_t> order(kept.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return of.values[k]; });
+  double room = error * error * static_cast<double>(differences.size());
+  for (const double difference : differences) room -= difference * difference;
+  std::vector<bool> stays(kept.size(), false);
+  std::vector<std::size_t> result;
+  for (const std::size_t k : order) {
+    if (stays[k]) continue;
+    room -= of.values[k];
+    if (room < 0 || kept.size() - result.size() == kTriangle) break;
+    result.push_back(kept[k]);
+    for (const int other : of.neighbours[k]) stays[static_cast<std::size_t>(other)] = true;
+  }
+  return result;
 }
 
 const ContactThinning::Choice& ContactThinning::played(const std::vector<std::size_t>& kept,

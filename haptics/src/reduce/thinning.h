@@ -34,7 +34,8 @@ class ContactThinning {
   /// Begins with a few contacts that cover the object, and adds those at which the difference is
   /// largest, some at a time and never two neighbours, until it is at most `error`, or there are no
   /// more. Contacts around the candidates come last: they keep the triangles of the candidates as
-  /// they are.
+  /// they are. Evenly spread contacts are taken instead if fewer of them do. Then those leave that
+  /// are missed least, as long as the error holds.
   /// \param tried is called after each model that was played.
   [[nodiscard]] ThinnedContacts within(double error, const std::function<void()>& tried);
 
@@ -44,6 +45,19 @@ class ContactThinning {
     std::vector<double> differences;  // [N] at each end; empty without a triangulation
   };
 
+  struct Losses {
+    std::vector<double> values;                // `contact_losses`
+    std::vector<std::vector<int>> neighbours;  // of each contact that is kept, among these
+  };
+
+  [[nodiscard]] std::vector<std::size_t> added_up(double error, const std::function<void()>& tried);
+  [[nodiscard]] std::vector<std::size_t> fewest_spread(std::vector<std::size_t> kept, double error,
+                                                       const std::function<void()>& tried);
+  [[nodiscard]] std::vector<std::size_t> pruned(std::vector<std::size_t> kept, double error,
+                                                const std::function<void()>& tried);
+  [[nodiscard]] std::vector<std::size_t> dispensable(const std::vector<std::size_t>& kept,
+                                                     double error,
+                                                     const std::function<void()>& tried);
   [[nodiscard]] const Choice& played(const std::vector<std::size_t>& kept,
                                      const std::function<void()>& tried);
   [[nodiscard]] Choice play(const std::vector<std::size_t>& kept) const;
@@ -55,9 +69,10 @@ class ContactThinning {
   std::span<const StrokeEnd> ends_;
   std::vector<std::vector<int>> neighbours_;       // of each contact
   std::vector<std::size_t> candidates_;            // those given, then their neighbours
-  std::vector<std::size_t> first_;                 // with which it begins
+  std::vector<std::size_t> spread_;                // those given, farthest points first
   std::vector<geometry::ContactWeights> weights_;  // of each end
   std::map<std::vector<std::size_t>, Choice> choices_;
+  std::map<std::vector<std::size_t>, Losses> losses_;
 };
 
 }  // namespace palpate::haptics
