@@ -19,6 +19,7 @@
 #include "build/pressing_records.h"
 #include "build/uncertainty.h"
 #include "model/compliance_kriging.h"
+#include "model/contact_places.h"
 #include "palpate/core/error.h"
 #include "palpate/core/parallel_for.h"
 #include "palpate/core/require.h"
@@ -348,14 +349,11 @@ LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition&
   check_same_samples(model, acquisition);
   const geometry::SurfaceQuery query(model.surface);
   std::vector<ForceSamples> samples;
-  std::vector<geometry::SurfacePoint> points;
-  for (const ContactModel& contact : model.contacts) {
+  for (const ContactModel& contact : model.contacts)
     samples.push_back(samples_of(contact, model, acquisition, query));
-    points.push_back(query.closest_point(contact.position).at);
-  }
   const ComplianceKriging kriging = learn_kriging(model);
   std::vector<bool> at_border = border_contacts(model);
-  const LeftOutModels left_out(model, points);
+  const LeftOutModels left_out(model, contact_places(model, query));
   LeaveOneOut result;
   result.per_contact.resize(model.contacts.size());
   std::mutex reporting;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "build/interpolated_as.h"
+#include "build/without_contact.h"
 #include "palpate/core/error.h"
 
 namespace palpate::haptics {
@@ -30,13 +31,7 @@ LeftOutModels::LeftOutModels(const Model& model, std::span<const geometry::Surfa
       triangulations_(model.surface, checked(model, points), {.method = model.triangulation}) {}
 
 Model LeftOutModels::without(std::size_t contact) const {
-  geometry::ContactTriangulation triangulation = triangulations_.without(contact);
-  Model rest = model_;
-  rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(contact));
-  rest.triangles = std::move(triangulation.mesh.triangles);
-  rest.surface_weights = std::move(triangulation.weights);
-  rest.response.reset();  // of all contacts; forces do not depend on it
-  return interpolated_as(std::move(rest), model_.interpolation);
+  return interpolated_as(without_contact(model_, triangulations_, contact), model_.interpolation);
 }
 
 std::vector<bool> border_contacts(const Model& model) {

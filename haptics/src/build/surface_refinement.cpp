@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/contact_places.h"
 #include "palpate/geometry/edge_splitting.h"
 #include "palpate/geometry/surface_query.h"
 #include "samples/nearest_contacts.h"
@@ -62,11 +63,8 @@ RefinedSurface refine_surface(const Eigen::Matrix3Xd& directions, Model& model) 
   };
   geometry::SplitMesh split = geometry::split_edges(model.surface, is_long);
   model.surface = std::move(split.mesh);
-  RefinedSurface result{.ends = std::move(split.ends), .places = {}};
-  const geometry::SurfaceQuery query(model.surface);
-  for (const ContactModel& contact : model.contacts)
-    result.places.push_back(query.closest_point(contact.position).at);
-  return result;
+  return {.ends = std::move(split.ends),
+          .places = contact_places(model, geometry::SurfaceQuery(model.surface))};
 }
 
 }  // namespace palpate::haptics

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "model/contact_places.h"
 #include "model/field_warp.h"
 #include "model/force_variance.h"
 #include "palpate/haptics/rotation.h"
@@ -39,10 +40,7 @@ Eigen::Matrix3d carried_frame(std::span<const Eigen::Matrix3d> frames,
 }
 
 geometry::ContactLocator make_locator(const Model& model, const geometry::SurfaceQuery& surface) {
-  std::vector<geometry::SurfacePoint> places;
-  for (const ContactModel& contact : model.contacts)
-    places.push_back(surface.closest_point(contact.position).at);
-  return {model.surface, places, vertex_weights(model)};
+  return {model.surface, contact_places(model, surface), vertex_weights(model)};
 }
 
 }  // namespace

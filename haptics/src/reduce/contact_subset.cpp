@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "build/surface_refinement.h"
+#include "model/contact_places.h"
 #include "palpate/geometry/contact_locator.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
@@ -15,14 +16,6 @@
 
 namespace palpate::haptics {
 namespace {
-
-std::vector<geometry::SurfacePoint> places_of(const Model& model,
-                                              const geometry::SurfaceQuery& query) {
-  std::vector<geometry::SurfacePoint> places;
-  for (const ContactModel& contact : model.contacts)
-    places.push_back(query.closest_point(contact.position).at);
-  return places;
-}
 
 // The three heaviest contacts of a place. The weight of the fourth one is subtracted, so that
 // weights are continuous along the surface where it takes the place of the third.
@@ -60,7 +53,7 @@ Model with_contacts(const Model& model, std::span<const std::size_t> kept) {
                .made = model.made};
   for (const std::size_t i : kept) result.contacts.push_back(model.contacts[i]);
   geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
-      model.surface, places_of(result, geometry::SurfaceQuery(model.surface)),
+      model.surface, contact_places(result, geometry::SurfaceQuery(model.surface)),
       {.method = model.triangulation});
   result.triangles = std::move(triangulation.mesh.triangles);
   result.surface_weights = std::move(triangulation.weights);
@@ -69,7 +62,7 @@ Model with_contacts(const Model& model, std::span<const std::size_t> kept) {
 
 Model on_surface(Model model, const geometry::TriangleMesh& surface) {
   const geometry::SurfaceQuery before(model.surface), after(surface);
-  const geometry::ContactLocator locator(model.surface, places_of(model, before),
+  const geometry::ContactLocator locator(model.surface, contact_places(model, before),
                                          vertex_weights(model));
   const double size = geometry::bounding_diagonal(surface);
   Eigen::Matrix3Xd inward(3, static_cast<Eigen::Index>(model.contacts.size()));

@@ -287,6 +287,7 @@ ReducedModel small_enough(Source& source, const PlayedStrokes& measuring, const 
   if (result) return *std::move(result);
   double too_small = factor;
   while (!result) {
+    // The models that were measured are larger than the one that was within `size`.
     if (factor >= kMostRaised) throw too_large(size, size);
     too_small = factor;
     factor *= 2;

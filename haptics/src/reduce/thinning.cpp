@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -151,7 +152,7 @@ std::vector<std::size_t> ContactThinning::fewest_spread(std::vector<std::size_t>
   while (count >= kTriangle) {
     std::vector<std::size_t> fewer = first_of(spread_, count);
     if (played(fewer, tried).error <= error) kept = std::move(fewer);
-    count = std::min(count - 1, static_cast<std::size_t>(kFewer * static_cast<double>(count)));
+    count = static_cast<std::size_t>(kFewer * static_cast<double>(count));
   }
   return kept;
 }
@@ -178,24 +179,24 @@ std::vector<std::size_t> ContactThinning::dispensable(const std::vector<std::siz
                                                       double error,
                                                       const std::function<void()>& tried) {
   const std::vector<double>& differences = played(kept, tried).differences;
-  const auto known = losses_.find(kept);
-  const Losses& of = known != losses_.end() ? known->second : losses_[kept] = [&] {
+  if (!losses_.contains(kept)) {
     const Model model = with_contacts(model_, kept);
-    return Losses{contact_losses(model, strokes_, ends_, differences), neighbours_of(model)};
-  }();
+    losses_[kept] = {contact_losses(model, strokes_, ends_, differences), neighbours_of(model)};
+  }
+  const Losses& losses = losses_.at(kept);
   std::vector<std::size_t> order(kept.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return of.values[k]; });
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return losses.values[k]; });
   double room = error * error * static_cast<double>(differences.size());
   for (const double difference : differences) room -= difference * difference;
   std::vector<bool> stays(kept.size(), false);
   std::vector<std::size_t> result;
   for (const std::size_t k : order) {
     if (stays[k]) continue;
-    room -= of.values[k];
+    room -= losses.values[k];
     if (room < 0 || kept.size() - result.size() == kTriangle) break;
     result.push_back(kept[k]);
-    for (const int other : of.neighbours[k]) stays[static_cast<std::size_t>(other)] = true;
+    for (const int other : losses.neighbours[k]) stays[static_cast<std::size_t>(other)] = true;
   }
   return result;
 }

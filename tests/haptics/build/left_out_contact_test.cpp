@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "haptics_testing.h"
+#include "model/contact_places.h"
 #include "palpate/geometry/surface_query.h"
 #include "sheet_model.h"
 
@@ -18,11 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::vector<geometry::SurfacePoint> places_of(const Model& model) {
-  const geometry::SurfaceQuery surface(model.surface);
-  std::vector<geometry::SurfacePoint> places;
-  for (const ContactModel& contact : model.contacts)
-    places.push_back(surface.closest_point(contact.position).at);
-  return places;
+  return contact_places(model, geometry::SurfaceQuery(model.surface));
 }
 
 TEST(LeftOutContact, LeavesOneTriangleOfASquare) {
