@@ -15,10 +15,11 @@ endif()
 
 # Test programs and Python keep memory that was freed, as the programs do (apps/palpate/shared/program.cpp): up to a third of the
 # time of a test went into pages that were given back and cleared again. Variables of glibc, in bytes.
-foreach(variable_and_bytes IN ITEMS TRIM_THRESHOLD_=1073741824 TOP_PAD_=67108864 MMAP_THRESHOLD_=33554432)
-  string(REGEX MATCH "(.*)=(.*)" matched ${variable_and_bytes})
-  if(NOT DEFINED ENV{MALLOC_${CMAKE_MATCH_1}})
-    set(ENV{MALLOC_${CMAKE_MATCH_1}} ${CMAKE_MATCH_2})
+set(variables MALLOC_TRIM_THRESHOLD_ MALLOC_TOP_PAD_ MALLOC_MMAP_THRESHOLD_)
+set(sizes 1073741824 67108864 33554432)
+foreach(variable size IN ZIP_LISTS variables sizes)
+  if(NOT DEFINED ENV{${variable}})
+    set(ENV{${variable}} ${size})
   endif()
 endforeach()
 
