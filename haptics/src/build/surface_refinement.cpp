@@ -3,7 +3,6 @@
 #include "build/surface_refinement.h"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "palpate/geometry/edge_splitting.h"
 #include "palpate/geometry/surface_query.h"
 #include "samples/nearest_contacts.h"
+#include "samples/position_tree.h"
 
 namespace palpate::haptics {
 namespace {
@@ -25,15 +25,34 @@ constexpr double kLongestEdge = 2.0 / 3;
 // contacts.
 constexpr double kLongestEdgeBetween = kLongestEdge * std::numbers::sqrt2;
 
-struct EdgeLimit {
-  Vector3d position;
-  double longest;  // [mm] edge there
+// Distances in the tree are rounded otherwise than those of limits; relative.
+constexpr double kTreeRounding = 1e-9;
+
+/// The longest edges that contacts allow.
+struct EdgeLimits {
+  Eigen::Matrix3Xd positions;   // of contacts
+  std::vector<double> longest;  // [mm] edge at each
 };
 
 double distance_from_edge(const Vector3d& point, const Vector3d& a, const Vector3d& b) {
   const Vector3d along = b - a;
   const double at = std::clamp((point - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
   return (a + at * along - point).norm();
+}
+
+EdgeLimits edge_limits(const std::vector<PressedContact>& contacts) {
+  EdgeLimits limits;
+  limits.positions.resize(3, static_cast<Eigen::Index>(contacts.size()));
+  for (const std::vector<std::size_t>& near : nearest_contacts(contacts, 1)) {
+    if (near.size() < 2) continue;
+    const Vector3d& here = contacts[near[0]].position;
+    const double distance = (contacts[near[1]].position - here).norm();
+    if (distance == 0) continue;
+    limits.positions.col(static_cast<Eigen::Index>(limits.longest.size())) = here;
+    limits.longest.push_back(kLongestEdge * distance);
+  }
+  limits.positions.conservativeResize(3, static_cast<Eigen::Index>(limits.longest.size()));
+  return limits;
 }
 
 }  // namespace
@@ -44,22 +63,17 @@ RefinedSurface refine_surface(const Eigen::Matrix3Xd& directions, Model& model) 
     contacts[i].position = model.contacts[i].position;
     contacts[i].direction = directions.col(static_cast<Eigen::Index>(i));
   }
-  std::vector<EdgeLimit> limits;
-  double shortest = std::numeric_limits<double>::infinity();
-  for (const std::vector<std::size_t>& near : nearest_contacts(contacts, 1)) {
-    if (near.size() < 2) continue;
-    const Vector3d& here = contacts[near[0]].position;
-    const double distance = (contacts[near[1]].position - here).norm();
-    if (distance == 0) continue;
-    limits.push_back({here, kLongestEdge * distance});
-    shortest = std::min(shortest, limits.back().longest);
-  }
+  const EdgeLimits limits = edge_limits(contacts);
+  const PositionTree tree(limits.positions);
   const auto is_long = [&](const Vector3d& a, const Vector3d& b) {
     const double length = (b - a).norm();
-    return length > shortest && std::ranges::any_of(limits, [&](const EdgeLimit& limit) {
-             return length > std::max(limit.longest, kLongestEdgeBetween *
-                                                         distance_from_edge(limit.position, a, b));
-           });
+    // Contacts that are farther away allow longer edges.
+    const double reach = (1 + kTreeRounding) * (length / 2 + length / kLongestEdgeBetween);
+    return std::ranges::any_of(tree.in_cube((a + b) / 2, reach), [&](std::size_t i) {
+      const Vector3d position = limits.positions.col(static_cast<Eigen::Index>(i));
+      return length >
+             std::max(limits.longest[i], kLongestEdgeBetween * distance_from_edge(position, a, b));
+    });
   };
   geometry::SplitMesh split = geometry::split_edges(model.surface, is_long);
   model.surface = std::move(split.mesh);
