@@ -83,7 +83,7 @@ void print_energy(int loops, int jumps) {
       "99 % [mN] | loops that return more than 0.05 N mm [%], most [N mm] "
       "|\n|---|---|---|---|---|---|\n");
   const auto print = [&](const TouchedObject& object, double friction) {
-    for (const double credit : {kInfinite, haptics::PlaybackOptions{}.energy_credit}) {
+    for (const double credit : {kInfinite, kUsualCredit}) {
       const EnergyFigures f = measure_energy(object, credit, loops, jumps);
       fmt::print("| {} | {} | {} | {:.2g}, {:.2g} | {:.2g}, {:.2g} | {:.2g}, {:.2g} |\n",
                  object.name, friction, credit, share_above(f.slides, kBeyond),

@@ -14,6 +14,8 @@
 namespace palpate::bench {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+/// [N mm] The usual credit of objects like the sheets of demo/, the same for all objects.
+constexpr double kUsualCredit = 0.04;
 
 /// Commands are the forces of the contact: nothing else shortens them.
 inline haptics::PlaybackOptions unlimited(haptics::PlaybackOptions options = {}) {

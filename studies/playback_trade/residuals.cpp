@@ -41,7 +41,7 @@ void print_residuals(int jumps) {
       "object |\n|---|---|---|---|---|\n");
   for (const double friction : {0.0, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0}) {
     const std::vector<TouchedObject> objects = touched_objects(friction);
-    for (const double credit : {kInfinite, haptics::PlaybackOptions{}.energy_credit}) {
+    for (const double credit : {kInfinite, kUsualCredit}) {
       for (const double jump : {0.3, 2.0, 10.0}) {
         std::vector<double> all;
         std::string by_object;

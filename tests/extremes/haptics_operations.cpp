@@ -157,10 +157,6 @@ Results blending(const Input& input, const Change&) {
 
 PlaybackOptions playback_options_of(const Input& input) {
   PlaybackOptions options;
-  options.tolerance *= input.force;
-  options.energy_credit *= input.force * input.length;
-  options.largest_jump *= input.force;
-  options.start_depth *= input.length;
   options.longest_step *= input.length;
   return options;
 }
@@ -188,10 +184,7 @@ Results device_of_c(const Input& input, const Change&) {
   palpate_model* model = nullptr;
   must(palpate_model_open_bytes(bytes.data(), bytes.size(), &model));
   const PlaybackOptions options = playback_options_of(input);
-  const std::string words =
-      fmt::format("tolerance={} energy_credit={} largest_jump={} start_depth={} longest_step={}",
-                  options.tolerance, options.energy_credit, options.largest_jump,
-                  options.start_depth, options.longest_step);
+  const std::string words = fmt::format("longest_step={}", options.longest_step);
   palpate_player* player = nullptr;
   const palpate_status created = palpate_player_create(model, words.c_str(), &player);
   palpate_model_close(model);

@@ -84,7 +84,7 @@ Json budget_figures(const haptics::ErrorBudget& budget, const haptics::SurfaceEr
   figures["surface"] = surface;
   figures["per_mm"] = slopes;
   figures["with_surface"] = budget.with(known);
-  figures["slip_tolerance"] = requirement.playback.tolerance;
+  figures["slip_tolerance"] = number_or_null(requirement.playback.tolerance);
   return figures;
 }
 
@@ -117,8 +117,11 @@ std::string budget_in_words(const haptics::ObjectPlan& plan, const haptics::Surf
   }
   if (!unknown.empty())
     words += fmt::format("Not included. {:.2g} mm would cause: {}.\n", kExample, unknown);
-  return words + fmt::format("The tolerance of slips in playback adds at most about {}.\n",
-                             newtons(requirement.playback.tolerance));
+  if (const std::optional<double>& tolerance = requirement.playback.tolerance) {
+    words += fmt::format("The tolerance of slips in playback adds at most about {}.\n",
+                         newtons(*tolerance));
+  }
+  return words;
 }
 
 }  // namespace palpate::apps

@@ -76,12 +76,12 @@ struct Playback::Impl {
 };
 
 Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
-    : options(in_range(given)),
+    : options(playback_options_for(model, given)),
       field(field_of(model, given.unknown_friction)),
       side(model.surface, field.blended().surface()),
       normals(geometry::triangle_normals(model.surface)),
       unknown_friction_count(haptics::unknown_friction_count(model)) {
-  if (options.motion != ContactMotion::bracketed) refuse_idle(options, "motion", {"energy_credit"});
+  if (options.motion != ContactMotion::bracketed) refuse_idle(given, "motion", {"energy_credit"});
   if (!model.rate.empty() && options.motion != ContactMotion::bracketed) {
     throw InvalidInput(std::vector<MessagePart>{
         {"PlaybackOptions::motion", true},
@@ -92,7 +92,7 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
   for (const int v : model.surface.triangles.reshaped()) {
     reach.radius = std::max(reach.radius, (model.surface.vertices.col(v) - reach.center).norm());
   }
-  reach.radius += options.start_depth;
+  reach.radius += *options.start_depth;
 }
 
 // Returns true if the tool is behind the nearest part of the surface, not beyond its border, and
@@ -100,7 +100,7 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
 bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const {
   TouchPoint nearest;
   const double distance = side.signed_distance(tool, nearest);
-  if (!(distance < 0 && -distance <= options.start_depth)) return false;
+  if (!(distance < 0 && -distance <= *options.start_depth)) return false;
   contact = nearest;
   return true;
 }
@@ -144,7 +144,7 @@ SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Ve
                                     const Eigen::Vector3d& way, LoopState& state) const {
   if (options.motion == ContactMotion::bracketed) {
     return search_slip(field, side.walk(), start, tool,
-                       {.tolerance = options.tolerance,
+                       {.tolerance = *options.tolerance,
                         .budget = budget_of(state, way),
                         .moved = way,
                         .delayed = state.delayed},
@@ -206,7 +206,7 @@ Command Playback::Impl::respond(const Eigen::Vector3d& force, double elastic,
                                 const Eigen::Vector3d& way, LoopState& state) const {
   Command command{.force = force, .contact = state.proxy.position, .state = state.contact_state};
   const Eigen::Vector3d change = force - state.force;
-  double largest = options.largest_jump + elastic;
+  double largest = *options.largest_jump + elastic;
   const double steepest = state.force.squaredNorm() * way.norm() / 2;
   if (options.motion == ContactMotion::bracketed && steepest > 0)
     largest += state.work > 0 ? steepest / state.work : std::numeric_limits<double>::infinity();
@@ -258,7 +258,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   if (state.playback != self.field.id()) {
     state = {};
     state.playback = self.field.id();
-    state.work = self.options.energy_credit;
+    state.work = *self.options.energy_credit;
   }
   const double moved = state.has_proxy ? (tool - state.tool).norm() : 0;
   if (!tool.allFinite() || !(moved <= self.options.longest_step)) {
@@ -290,7 +290,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
 
   // A touch begins without a force: until then the object still returns what it has.
   if (state.contact_state == ContactState::free && state.force.isZero(0)) {
-    const double credit = self.options.energy_credit;
+    const double credit = *self.options.energy_credit;
     state.work = std::clamp(state.work, kRenewedCredit * credit, credit);
   }
   state.contact_state = ContactState::stick;
@@ -303,7 +303,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
   contact.parts = friction_parts(state.place, contact.force.force);
   let_follow(self.field, state.place, tool, state.delayed, contact);
   const double elastic = holds ? (contact.force.force - state.contact_force).norm() : 0;
-  if (contact.parts.excess > self.options.tolerance) {
+  if (contact.parts.excess > *self.options.tolerance) {
     const SlidingContact start = contact;
     contact = self.slip(start, tool, way, state);
     if (!contact.found_near && self.is_outside(tool)) return self.let_go(tool, way, state);

@@ -84,7 +84,7 @@ constexpr double kDepthTolerance = 1e-3;
 // The largest depth of a press at a place.
 struct DepthLimit {
   double force = std::numeric_limits<double>::infinity();  // [N]
-  double depth = PlaybackOptions{}.start_depth;            // [mm]
+  double depth = 0;                                        // [mm]
 
   [[nodiscard]] double at(const BlendedField& field, const Blend& place) const {
     const Vector3d direction = place.field_frame.col(2);
@@ -103,17 +103,20 @@ struct DepthLimit {
   }
 };
 
+// [mm] Playback keeps no deeper contact of a tool that starts inside.
+double start_depth(const Model& model) { return *playback_options_for(model, {}).start_depth; }
+
 // [mm] The largest depth at which a contact yields to the reference force; those that never do were
 // not measured further.
 double depth_reached(const Model& model) {
   double largest = 0;
   for (const ContactModel& contact : model.contacts)
     if (contact.compliance) largest = std::max(largest, contact.compliance->values(2));
-  return largest > 0 ? largest : PlaybackOptions{}.start_depth;
+  return largest > 0 ? largest : start_depth(model);
 }
 
 DepthLimit depth_limit(const Model& model, const StrokeSettings& settings) {
-  DepthLimit limit;
+  DepthLimit limit{.depth = start_depth(model)};
   const Interpolation& measured = model.interpolation;
   if (settings.largest_depth) limit.depth = *settings.largest_depth;
   if (settings.largest_force) limit.force = *settings.largest_force;

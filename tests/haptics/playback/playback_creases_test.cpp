@@ -167,7 +167,8 @@ double work_of_loop(Hand& hand, const Pressing& at, double length) {
 
 // Of the loops that return the whole credit, one is repeated: the way back leads through the air.
 TEST_F(PlaybackInGrooves, GiveTheUserTheCreditOnlyOnce) {
-  const Playback playback(with_friction(0));
+  constexpr double kCredit = 0.04;  // [N mm]
+  const Playback playback(with_friction(0), {.energy_credit = kCredit});
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::optional<Pressing> best;
@@ -193,7 +194,7 @@ TEST_F(PlaybackInGrooves, GiveTheUserTheCreditOnlyOnce) {
     hand.go(best->outside, kTick);
   }
   // The credit, and a tenth of it for each later touch.
-  EXPECT_LT(hand.work, 0.04 * (1 + 0.1 * (kTouches - 1)) + 0.005);
+  EXPECT_LT(hand.work, kCredit * (1 + 0.1 * (kTouches - 1)) + 0.005);
 }
 
 // Ways through a groove leave the object and touch it again.
@@ -228,7 +229,8 @@ TEST_F(PlaybackInGrooves, ChangeTheForceByTheStiffnessThatIsFelt) {
   }
   constexpr double kDepth = 5;  // [mm]
   const double added = kFarWeight / (kFarAway - 2 * kDepth);
-  const double most = PlaybackOptions{}.largest_jump + (kStiffness + added) * kTick;
+  const double jump = *playback_options_for(stiff, {}).largest_jump;
+  const double most = jump + (kStiffness + added) * kTick;
   ASSERT_LT(most, 0.2);
   int limited = 0;
   for (const double friction : {0.05, 0.5}) {
@@ -241,7 +243,7 @@ TEST_F(PlaybackInGrooves, ChangeTheForceByTheStiffnessThatIsFelt) {
       Hand hand(playback, at.outside);
       work_of_loop(hand, at, 15 * uniform(random));
       EXPECT_LE(hand.largest_change, most) << friction << ' ' << i;
-      limited += hand.largest_change > PlaybackOptions{}.largest_jump;
+      limited += hand.largest_change > jump;
     }
   }
   EXPECT_GT(limited, 0);

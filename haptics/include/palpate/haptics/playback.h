@@ -48,11 +48,11 @@ enum class ContactMotion {
 /// shows.
 struct PlaybackOptions {
   ContactMotion motion = ContactMotion::bracketed;
-  double tolerance = 2e-4;
-  double energy_credit = 0.04;
+  std::optional<double> tolerance = std::nullopt;
+  std::optional<double> energy_credit = std::nullopt;
   double unknown_friction = 0;
-  double largest_jump = 0.1;
-  double start_depth = 20;
+  std::optional<double> largest_jump = std::nullopt;
+  std::optional<double> start_depth = std::nullopt;
   double longest_step = 50;
   int hold_ticks = 20;
 
@@ -60,6 +60,12 @@ struct PlaybackOptions {
 };
 
 void visit(PlaybackOptions& options, FieldVisitor& visitor);
+
+/// The options with all that is not set chosen for a model, in proportion to its size and to the
+/// force and the depth up to which it was measured.
+/// \throws InvalidInput if an option is outside its range.
+[[nodiscard]] PlaybackOptions playback_options_for(const Model& model,
+                                                   const PlaybackOptions& options);
 
 /// The state of the haptic loop between two ticks, of one `Playback`; another one starts afresh.
 struct LoopState {
