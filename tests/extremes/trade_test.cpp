@@ -23,6 +23,7 @@
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/winding_number.h"
 #include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/packed_field.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/reduce_model.h"
 
@@ -246,6 +247,88 @@ Matrix3Xd forces_of_presses(const haptics::Model& model, int presses) {
   return forces;
 }
 
+constexpr double kPressed = 2, kSide = 5;  // [mm] of the loops of a tool
+constexpr int kTicks = 400;                // on each side
+
+/// What a tool feels that presses the sheet, slides around a triangle and lifts off.
+struct Loop {
+  double residual = 0;  ///< [N] largest distance from the friction cone at the end of a slip
+  double returned = 0;  ///< [N mm] work on the tool
+};
+
+Loop go_around(const haptics::Playback& playback, const std::vector<Vector3d>& corners) {
+  Loop loop;
+  haptics::LoopState state;
+  Vector3d force = playback.step(corners.front(), state).force;
+  for (std::size_t side = 1; side < corners.size(); ++side) {
+    const Vector3d way = (corners[side] - corners[side - 1]) / kTicks;
+    for (int tick = 1; tick <= kTicks; ++tick) {
+      const haptics::Command command = playback.step(corners[side - 1] + tick * way, state);
+      loop.returned += (force + command.force).dot(way) / 2;
+      force = command.force;
+      if (command.state == haptics::ContactState::slip) {
+        loop.residual =
+            std::max(loop.residual, std::abs(haptics::friction_parts(state.place, -force).excess));
+      }
+    }
+  }
+  return loop;
+}
+
+/// The largest figures of such loops at all inner vertices of the sheet.
+Loop worst_loop(const haptics::Playback& playback) {
+  constexpr double kHeight = 1;  // [mm]
+  const geometry::TriangleMesh& sheet = standard_input().sheet;
+  const Matrix3Xd normals = geometry::vertex_normals(sheet);
+  Loop worst;
+  for (const Index vertex : inner_vertices()) {
+    const Vector3d normal = normals.col(vertex), place = sheet.vertices.col(vertex);
+    const Vector3d along = kSide * normal.cross(Vector3d::UnitY()).normalized();
+    const Vector3d across = kSide * normal.cross(along).normalized();
+    const Vector3d inside = place - kPressed * normal;
+    const Loop loop = go_around(playback, {place + kHeight * normal, inside, inside + along,
+                                           inside + across, inside, place + kHeight * normal});
+    worst.residual = std::max(worst.residual, loop.residual);
+    worst.returned = std::max(worst.returned, loop.returned);
+  }
+  return worst;
+}
+
+std::vector<Setting> tolerance_of_playback() {
+  const haptics::Model model = model_of(standard_input());
+  std::vector<Setting> found;
+  constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  for (const double tolerance : {1e-6, 1e-4, 1e-3, 1e-2}) {
+    const haptics::Playback playback(
+        model, {.tolerance = tolerance, .energy_credit = kUnlimited, .largest_jump = kUnlimited});
+    found.push_back(
+        {.knob = tolerance, .stated = tolerance, .actual = worst_loop(playback).residual});
+  }
+  return found;
+}
+
+std::vector<Setting> energy_credit_of_playback() {
+  haptics::Model model = model_of(standard_input());
+  for (haptics::ContactModel& contact : model.contacts) contact.friction = 0;
+  // The object may also return what it stores during the movement of a tick.
+  double stiffness = 0;  // [N/mm]
+  for (const haptics::ContactModel& contact : model.contacts) {
+    double largest = 0;
+    for (const haptics::Multiquadric& base : contact.field.bases)
+      largest += base.weight / base.epsilon;
+    stiffness = std::max(stiffness, largest);
+  }
+  const double way = std::numbers::sqrt2 * kSide / kTicks;
+  const double of_a_tick = stiffness * way * way / 2;
+  std::vector<Setting> found;
+  for (const double credit : {0.0, 1e-3, 1e-2, 1.0}) {
+    const haptics::Playback playback(model, {.energy_credit = credit});
+    found.push_back(
+        {.knob = credit, .stated = credit + of_a_tick, .actual = worst_loop(playback).returned});
+  }
+  return found;
+}
+
 std::vector<Setting> error_of_a_reduced_model() {
   const haptics::Model model = model_of(standard_input());
   constexpr int kPresses = 150;
@@ -285,7 +368,11 @@ const std::vector<Trade>& trades() {
        kFastMarching},
       {"fit_force_field: max_bases", "N", "bases", "the forces of the field", bases_of_a_field},
       {"reduce_model: max_error", "N", "bytes", "the full model, at random presses",
-       error_of_a_reduced_model}};
+       error_of_a_reduced_model},
+      {"Playback: tolerance", "N", "", "the friction cone, at the ends of slips",
+       tolerance_of_playback},
+      {"Playback: energy_credit", "N mm", "", "the work on a tool that slides around triangles",
+       energy_credit_of_playback}};
   return all;
 }
 

@@ -36,9 +36,8 @@ struct PositionTree::Impl {
   template <typename Predicates>
   [[nodiscard]] std::vector<std::size_t> found(const Predicates& predicates) const {
     std::vector<std::size_t> result;
-    tree.query(predicates, boost::make_function_output_iterator([&](const TreeValue& value) {
-                 result.push_back(value.second);
-               }));
+    tree.query(predicates, boost::make_function_output_iterator(
+                               [&](const TreeValue& value) { result.push_back(value.second); }));
     return result;
   }
 };
