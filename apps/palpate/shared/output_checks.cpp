@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/output_checks.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -37,7 +38,13 @@ void check_writable(const fs::path& path) {
   while (!is_there(folder) && folder.has_relative_path()) folder = folder.parent_path();
   if (!fs::is_directory(folder, ignored))
     throw OutputError(path.string() + ": cannot be written: " + folder.string() + " is a file.");
-  // Permissions alone are not enough: the superuser has them in folders of the kernel too.
+  // Permissions alone are not enough: the superuser has them in folders of the kernel too. A file
+  // without a name leaves nothing behind if the program is killed here.
+  if (const int file = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600); file >= 0) {
+    ::close(file);
+    return;
+  }
+  // Not all file systems have such files.
   std::string trial = (folder / ".palpate-trial-XXXXXX").string();
   if (::mkdtemp(trial.data()) != nullptr) {
     ::rmdir(trial.c_str());
