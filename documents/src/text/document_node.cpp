@@ -34,7 +34,8 @@ std::string list_of(std::span<const std::string> names) {
 // "DecodeOptions::min_signal" is written 'min_signal' in a document.
 std::string name_in_document(const std::string& field) {
   const std::size_t colon = field.rfind(':');
-  return "'" + field.substr(colon == std::string::npos ? 0 : colon + 1) + "'";
+  std::string name = "'";
+  return name.append(field.substr(colon == std::string::npos ? 0 : colon + 1)).append("'");
 }
 
 // A value as a message quotes it.

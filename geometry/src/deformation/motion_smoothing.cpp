@@ -39,7 +39,9 @@ struct ParabolaFit {
 
 ParabolaFit fit_of(const std::vector<double>& times, double time, double window) {
   const auto count = static_cast<Eigen::Index>(times.size());
-  ParabolaFit fit{.basis = Eigen::MatrixXd(count, kTerms), .weights = Eigen::VectorXd(count)};
+  ParabolaFit fit{.basis = Eigen::MatrixXd(count, kTerms),
+                  .coefficients = {},
+                  .weights = Eigen::VectorXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     const double at = times[static_cast<std::size_t>(i)];
     const double from = (at - time) / window;
