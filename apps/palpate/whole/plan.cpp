@@ -18,6 +18,7 @@
 #include "palpate/core/output_file.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/plan_scene.h"
+#include "palpate/haptics/playback.h"
 #include "palpate/haptics/scene_requirement.h"
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/campaign_store.h"
@@ -63,6 +64,11 @@ struct PlannedObject {
   haptics::Model model;
   std::vector<probing::Contact> places;
 };
+
+/// [N]
+double slip_tolerance_of(const PlannedObject& object) {
+  return *haptics::playback_options_for(object.model, object.requirement.playback).tolerance;
+}
 
 /// [s] Expected time of a campaign for each contact; from the times of an earlier one, if there is
 /// one.
@@ -161,8 +167,9 @@ Json figures_of(const haptics::PlannedContacts& of) {
           {"bytes", std::llround(of.size)}};
 }
 
-Json figures_of(const PlanSceneCall& call, const haptics::SceneRequirement& requirement,
+Json figures_of(const PlanSceneCall& call, const PlannedObject& object,
                 const haptics::ObjectPlan& plan) {
+  const haptics::SceneRequirement& requirement = object.requirement;
   Json curve = Json::array();
   for (const haptics::PlannedContacts& point : plan.curve) curve.push_back(figures_of(point));
   Json figures{{"object", requirement.object},
@@ -178,7 +185,8 @@ Json figures_of(const PlanSceneCall& call, const haptics::SceneRequirement& requ
                {"with_one_hour_more", figures_of(plan.with_more)},
                {"curve", curve}};
   if (call.explanation.is_wanted)
-    figures["budget"] = budget_figures(plan.budget, call.explanation.surface, requirement);
+    figures["budget"] =
+        budget_figures(plan.budget, call.explanation.surface, slip_tolerance_of(object));
   return figures;
 }
 
@@ -258,10 +266,10 @@ void plan(const Settings& settings, const PlanSceneCall& call) {
   for (std::size_t i = 0; i < plans.size(); ++i) {
     const haptics::SceneRequirement& requirement = objects[i].requirement;
     tell_raised(requirement, plans[i]);
-    figures["objects"].push_back(figures_of(call, requirement, plans[i]));
+    figures["objects"].push_back(figures_of(call, objects[i], plans[i]));
     words += plan_in_words(requirement, plans[i]);
     if (call.explanation.is_wanted)
-      words += budget_in_words(plans[i], call.explanation.surface, requirement);
+      words += budget_in_words(plans[i], call.explanation.surface, slip_tolerance_of(objects[i]));
     hours += plans[i].planned.arm_time / kSecondsPerHour;
   }
   if (plans.size() > 1) words += fmt::format("All objects: {:.1f} h of the arm.\n", hours);

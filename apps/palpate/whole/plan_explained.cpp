@@ -72,7 +72,7 @@ void add_explain_options(CLI::App& command, PlanExplanation& explanation) {
 }
 
 Json budget_figures(const haptics::ErrorBudget& budget, const haptics::SurfaceErrors& known,
-                    const haptics::SceneRequirement& requirement) {
+                    double slip_tolerance) {
   Json figures, slopes, surface;
   for (const StatedSource& source : kStated) figures[source.key] = budget.*source.error;
   for (const SurfaceSource& source : kSurface) {
@@ -84,12 +84,12 @@ Json budget_figures(const haptics::ErrorBudget& budget, const haptics::SurfaceEr
   figures["surface"] = surface;
   figures["per_mm"] = slopes;
   figures["with_surface"] = budget.with(known);
-  figures["slip_tolerance"] = number_or_null(requirement.playback.tolerance);
+  figures["slip_tolerance"] = slip_tolerance;
   return figures;
 }
 
 std::string budget_in_words(const haptics::ObjectPlan& plan, const haptics::SurfaceErrors& known,
-                            const haptics::SceneRequirement& requirement) {
+                            double slip_tolerance) {
   const haptics::ErrorBudget& budget = plan.budget;
   std::vector<BudgetRow> rows;
   std::string unknown;
@@ -117,11 +117,8 @@ std::string budget_in_words(const haptics::ObjectPlan& plan, const haptics::Surf
   }
   if (!unknown.empty())
     words += fmt::format("Not included. {:.2g} mm would cause: {}.\n", kExample, unknown);
-  if (const std::optional<double>& tolerance = requirement.playback.tolerance) {
-    words += fmt::format("The tolerance of slips in playback adds at most about {}.\n",
-                         newtons(*tolerance));
-  }
-  return words;
+  return words + fmt::format("The tolerance of slips in playback adds at most about {}.\n",
+                             newtons(slip_tolerance));
 }
 
 }  // namespace palpate::apps

@@ -23,13 +23,13 @@ struct PlanExplanation {
 void add_explain_options(CLI::App& command, PlanExplanation& explanation);
 
 /// The sources of the error that a plan expects, as figures: each in newtons.
+/// \param slip_tolerance [N] `PlaybackOptions::tolerance` of the object.
 [[nodiscard]] Json budget_figures(const haptics::ErrorBudget& budget,
-                                  const haptics::SurfaceErrors& known,
-                                  const haptics::SceneRequirement& requirement);
+                                  const haptics::SurfaceErrors& known, double slip_tolerance);
 
 /// The same as a table, the largest source first, and what it does not contain.
 [[nodiscard]] std::string budget_in_words(const haptics::ObjectPlan& plan,
                                           const haptics::SurfaceErrors& known,
-                                          const haptics::SceneRequirement& requirement);
+                                          double slip_tolerance);
 
 }  // namespace palpate::apps
