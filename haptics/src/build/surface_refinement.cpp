@@ -25,9 +25,6 @@ constexpr double kLongestEdge = 2.0 / 3;
 // contacts.
 constexpr double kLongestEdgeBetween = kLongestEdge * std::numbers::sqrt2;
 
-// Distances in the tree are rounded otherwise than those of limits; relative.
-constexpr double kTreeRounding = 1e-9;
-
 /// The longest edges that contacts allow.
 struct EdgeLimits {
   Eigen::Matrix3Xd positions;   // of contacts
@@ -68,7 +65,7 @@ RefinedSurface refine_surface(const Eigen::Matrix3Xd& directions, Model& model) 
   const auto is_long = [&](const Vector3d& a, const Vector3d& b) {
     const double length = (b - a).norm();
     // Contacts that are farther away allow longer edges.
-    const double reach = (1 + kTreeRounding) * (length / 2 + length / kLongestEdgeBetween);
+    const double reach = length / 2 + length / kLongestEdgeBetween;
     return std::ranges::any_of(tree.in_cube((a + b) / 2, reach), [&](std::size_t i) {
       const Vector3d position = limits.positions.col(static_cast<Eigen::Index>(i));
       return length >

@@ -13,7 +13,8 @@
 namespace palpate::haptics {
 
 struct SlipSearchOptions {
-  double tolerance = 2e-4;  ///< [N] > 0; a place is found where ||f_T| - mu f_N| is at most this
+  /// [N] > 0; a place is found where ||f_T| - mu f_N| is at most this
+  double tolerance = std::numeric_limits<double>::quiet_NaN();
   /// [N mm] The contact only moves to places where stored energy less half of f . `moved` is at
   /// most this, or what it is at the start if that is more.
   double budget = std::numeric_limits<double>::infinity();

@@ -4,20 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "palpate/core/parallel_for.h"
 #include "samples/position_tree.h"
 
 namespace palpate::haptics {
-namespace {
-
-// The tree's distances are rounded otherwise than ours; relative.
-constexpr double kDistanceRounding = 1e-9;
-
-}  // namespace
-
 std::vector<std::vector<std::size_t>> nearest_contacts(std::span<const PressedContact> contacts,
                                                        std::size_t count) {
   Eigen::Matrix3Xd positions(3, static_cast<Eigen::Index>(contacts.size()));
@@ -38,8 +30,7 @@ std::vector<std::vector<std::size_t>> nearest_contacts(std::span<const PressedCo
       // Of several contacts at the largest distance, which the tree chooses is not defined.
       double largest = 0;
       for (const std::size_t other : found) largest = std::max(largest, square_to(other));
-      found = tree.in_cube(contact.position, (1 + kDistanceRounding) * std::sqrt(largest) +
-                                                 std::numeric_limits<double>::min());
+      found = tree.in_cube(contact.position, std::sqrt(largest));
       std::erase_if(found, [&](std::size_t other) { return !is_wanted(other); });
     }
     std::vector<std::pair<double, std::size_t>> others;

@@ -8,6 +8,7 @@
 #include <boost/geometry/index/rtree.hpp>
 #undef BOOST_ALLOW_DEPRECATED_HEADERS
 #include <boost/iterator/function_output_iterator.hpp>
+#include <limits>
 #include <utility>
 
 namespace palpate::haptics {
@@ -17,6 +18,8 @@ namespace bgi = boost::geometry::index;
 using TreePoint = boost::geometry::model::point<double, 3, boost::geometry::cs::cartesian>;
 using TreeValue = std::pair<TreePoint, std::size_t>;
 constexpr std::size_t kMostInNode = 16;
+// Distances are rounded otherwise than those that callers compute; relative.
+constexpr double kDistanceRounding = 1e-9;
 using Tree = bgi::rtree<TreeValue, bgi::linear<kMostInNode>>;
 
 TreePoint tree_point(const Eigen::Vector3d& at) { return {at.x(), at.y(), at.z()}; }
@@ -55,7 +58,8 @@ std::vector<std::size_t> PositionTree::nearest(
 }
 
 std::vector<std::size_t> PositionTree::in_cube(const Eigen::Vector3d& place, double reach) const {
-  const Eigen::Vector3d corner = Eigen::Vector3d::Constant(reach);
+  const Eigen::Vector3d corner = Eigen::Vector3d::Constant((1 + kDistanceRounding) * reach +
+                                                           std::numeric_limits<double>::min());
   return impl_->found(bgi::intersects(boost::geometry::model::box<TreePoint>(
       tree_point(place - corner), tree_point(place + corner))));
 }

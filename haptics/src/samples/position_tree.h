@@ -23,7 +23,8 @@ class PositionTree {
       const Eigen::Vector3d& place, std::size_t count,
       const std::function<bool(std::size_t)>& is_wanted) const;
 
-  /// Those of which no coordinate differs by more than `reach` [mm], in no order.
+  /// Those of which no coordinate differs by more than `reach` [mm], and perhaps some that differ
+  /// by more, by rounding; in no order.
   [[nodiscard]] std::vector<std::size_t> in_cube(const Eigen::Vector3d& place, double reach) const;
 
  private:

@@ -16,6 +16,8 @@
 namespace palpate::haptics {
 namespace {
 
+constexpr double kTolerance = 2e-4;  // [N]
+
 // The way along the section and the projected line agree to this part of the way, where the surface
 // turns by up to 0.1 rad per mm.
 constexpr double kSectionAgrees = 0.1;
@@ -61,8 +63,9 @@ TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
     if (start.parts.excess < 0.01) continue;
     ++slips;
     SlipMemory memory;
-    const SlidingContact end = search_slip(field, surface, start, tool, {}, place, memory);
-    EXPECT_LE(std::abs(end.parts.excess), 2e-4) << i;
+    const SlidingContact end =
+        search_slip(field, surface, start, tool, {.tolerance = kTolerance}, place, memory);
+    EXPECT_LE(std::abs(end.parts.excess), kTolerance) << i;
     EXPECT_LT(memory.slope, 0) << i;
     // The returned force is the one at the returned place.
     EXPECT_LT((field.force(place, tool - end.at.position).force - end.force.force).norm(), 1e-12);
@@ -98,19 +101,20 @@ TEST_F(SlipSearch, FindsARootWhateverItRemembers) {
         above + Eigen::Vector3d{0.5 * uniform(random), 0.5 * uniform(random), -3};
     PlaceField place;
     const SlidingContact start = contact_of(slippery_field, above, tool, place);
-    if (!(start.parts.excess > 2e-4)) continue;
+    if (!(start.parts.excess > kTolerance)) continue;
     ++slips;
     SlipMemory fresh;
     PlaceField from = place;
-    static_cast<void>(search_slip(slippery_field, surface, start, tool, {}, from, fresh));
+    static_cast<void>(
+        search_slip(slippery_field, surface, start, tool, {.tolerance = kTolerance}, from, fresh));
     SlipMemory wrong{.slope = -uniform(random), .in_plane = {}};
     wrong.in_plane = Eigen::Matrix3d::NullaryExpr([&] { return uniform(random); });
     const SlipMemory nothing{.slope = kNaN, .in_plane = Eigen::Matrix3d::Constant(kNaN)};
     for (SlipMemory memory : {SlipMemory{}, fresh, wrong, nothing}) {
       from = place;
-      const SlidingContact end =
-          search_slip(slippery_field, surface, start, tool, {}, from, memory);
-      EXPECT_LE(std::abs(end.parts.excess), 2e-4) << i;
+      const SlidingContact end = search_slip(slippery_field, surface, start, tool,
+                                             {.tolerance = kTolerance}, from, memory);
+      EXPECT_LE(std::abs(end.parts.excess), kTolerance) << i;
     }
   }
   EXPECT_GT(slips, 100);
@@ -129,11 +133,13 @@ TEST_F(SlipSearch, NeverStoresMoreEnergyThanItMay) {
     for (const bool passive : {false, true}) {
       PlaceField place;
       const SlidingContact start = contact_of(slippery_field, above, tool, place);
-      if (!(start.parts.excess > 2e-4)) continue;
+      if (!(start.parts.excess > kTolerance)) continue;
       SlipMemory memory;
-      const SlidingContact end = search_slip(
-          slippery_field, surface, start, tool,
-          {.budget = passive ? 0 : std::numeric_limits<double>::infinity()}, place, memory);
+      const SlidingContact end =
+          search_slip(slippery_field, surface, start, tool,
+                      {.tolerance = kTolerance,
+                       .budget = passive ? 0 : std::numeric_limits<double>::infinity()},
+                      place, memory);
       if (passive) {
         EXPECT_LE(end.force.energy, start.force.energy + 1e-9) << i;
       } else {
