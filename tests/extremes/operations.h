@@ -39,7 +39,7 @@ enum Part : unsigned {
 struct Operation {
   std::string name;
   unsigned uses = 0;
-  std::function<Results(const Input&, const Change&)> run;
+  std::function<Results(const Input&, const Change&)> run = {};
   /// Largest relative difference when lengths or forces are multiplied by powers of two; 0: none,
   /// to the last bit.
   double scale_tolerance = 0;

@@ -57,7 +57,7 @@ Matrix3Xd dense_points(const geometry::TriangleMesh& mesh) {
   Matrix3Xd points(3, mesh.triangles.cols() * (kSteps + 1) * (kSteps + 2) / 2);
   Index count = 0;
   for (Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const auto corner = [&](int k) {
+    const auto corner = [&](int k) -> Vector3d {
       return Vector3d(mesh.vertices.col(mesh.triangles(k, t))) / kSteps;
     };
     for (int i = 0; i <= kSteps; ++i)
@@ -89,8 +89,12 @@ std::vector<Setting> decimation(const std::vector<geometry::DecimationOptions>& 
                      .cost = static_cast<double>(result.mesh.triangles.cols()),
                      .stated = result.distance,
                      .actual = sampled_distance(ball, result.mesh)});
-    if (options.tolerance) EXPECT_LE(result.distance, *options.tolerance);
-    if (options.max_triangles) EXPECT_LE(found.back().cost, *options.max_triangles);
+    if (options.tolerance) {
+      EXPECT_LE(result.distance, *options.tolerance);
+    }
+    if (options.max_triangles) {
+      EXPECT_LE(found.back().cost, *options.max_triangles);
+    }
   }
   return found;
 }
@@ -411,7 +415,9 @@ TEST_P(StatedTrade, ACheaperResultIsNotWorseThanItStates) {
     EXPECT_GE(now.stated, settings[i - 1].stated) << now.knob;
     EXPECT_LE(now.cost, settings[i - 1].cost) << now.knob;
   }
-  if (!trade.cost.empty()) EXPECT_LT(settings.back().cost, settings.front().cost);
+  if (!trade.cost.empty()) {
+    EXPECT_LT(settings.back().cost, settings.front().cost);
+  }
   tell(trade, settings);
 }
 
